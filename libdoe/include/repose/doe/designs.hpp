@@ -1,0 +1,97 @@
+// Designs of experiments: conference matrices, definitive screening designs, Latin hypercubes, and
+// the check of a design that came from elsewhere.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "repose/base/parameter_space.hpp"
+
+namespace repose::doe {
+
+/// A conference matrix C: zero diagonal, +-1 elsewhere, C C^T = C^T C = (order-1) I.
+/// Built by Paley's construction where order-1 is a prime power [Paley1933], by doubling a skew one
+/// [Goethals1967], from four circulants (36, 52) and by Mathon's blocks (46) [Mathon1978].
+/// Throws InputError for an order that is odd, that cannot exist (22, 34, 58: order-1 is no sum of
+/// two squares) or that is not built here; the message names the next order that is.
+Eigen::MatrixXi conference_matrix(int order);
+
+/// The smallest order >= `at_least` that conference_matrix() builds. Throws InputError above 128.
+int conference_order(int at_least);
+
+enum class RunOrder { structured, randomised };
+
+struct DefinitiveScreeningOptions {
+  /// Columns built and dropped again; each gives one degree of freedom for error (two: "four extra
+  /// runs"). >= 0 [JonesNachtsheim2017].
+  int fake_factors = 2;
+  /// >= 1; more than one gives pure error.
+  int centre_runs = 1;
+  RunOrder run_order = RunOrder::randomised;
+  /// Of the random order; unused if structured.
+  std::uint64_t seed = 1;
+};
+
+/// Runs in coded units.
+struct Design {
+  Matrix coded;  ///< runs x factors, in {-1, 0, 1}
+  std::vector<int>
+      pair_id;  ///< of each run: 1, 2, ... for the two runs of a fold-over pair, 0 = centre
+};
+
+/// Rows of C, rows of -C and centre runs, with only the first `factors` columns kept
+/// [XiaoLinBai2012]. The order of C is the smallest one built >= max(6, factors rounded up to even
+/// + fake factors), so there are 2 order + centre_runs runs. `factors` from 3 to 100. Main effects
+/// are orthogonal to each other and to every second-order effect. Throws InputError for options out
+/// of range.
+Design definitive_screening_design(int factors, const DefinitiveScreeningOptions& options = {});
+
+struct LatinHypercubeOptions {
+  enum class Criterion {
+    plain,        ///< random
+    maximin,      ///< swaps that raise the smallest distance, by phi_20 of [MorrisMitchell1995]
+    correlation,  ///< swaps that lower the sum of squared column correlations
+  };
+  Criterion criterion = Criterion::maximin;
+  /// Swaps tried; >= 0. One costs O(points) for maximin, O(dimensions) for correlation.
+  int iterations = 20000;
+  std::uint64_t seed = 1;
+};
+
+/// points x dimensions in (0,1): every column has exactly one value in each of the `points` equal
+/// cells. The optimised criteria start from the plain hypercube of the same seed and are never
+/// worse than it by their own measure. Throws InputError if points or dimensions < 1.
+Matrix latin_hypercube(int points, int dimensions, const LatinHypercubeOptions& options = {});
+
+/// What a design in coded units is found to be. Runs are numbered from 0.
+struct DesignCheck {
+  int runs = 0;
+  int factors = 0;
+  std::vector<std::pair<int, int>> pairs;  ///< mirror images of each other, the lower run first
+  std::vector<int> centre_runs;            ///< all factors at 0
+  std::vector<int> orphans;                ///< neither centre runs nor with a mirror image
+  double column_sum_max = 0.0;             ///< largest |sum of a column|
+  double gram_offdiagonal_max = 0.0;       ///< largest |X^T X| between two main effects
+  double correlation_max = 0.0;            ///< largest |correlation| of two main effects
+  /// Largest |coefficient| of (X^T X)^-1 X^T Z: the share of a second-order effect (column of Z)
+  /// that a main effect's estimate carries; X holds intercept and main effects. Infinity if X has
+  /// not full rank.
+  double alias_max = 0.0;
+  /// One sentence for each property of a definitive screening design that fails, runs counted
+  /// from 1.
+  std::vector<std::string> problems;
+
+  bool is_definitive_screening() const { return problems.empty(); }
+  /// Main effects are also uncorrelated, as in designs from conference matrices.
+  bool is_orthogonal() const { return gram_offdiagonal_max == 0.0; }
+};
+
+/// Three levels, every run with its mirror image or a centre run, at least one centre run, at most
+/// one factor of a run at the middle, main effects estimable and free of second-order effects
+/// [JonesNachtsheim2011]. Throws InputError for an empty matrix or values outside [-1, 1].
+DesignCheck check_design(const Matrix& coded);
+
+}  // namespace repose::doe

@@ -1,0 +1,72 @@
+// The two-stage analysis of definitive screening designs: main effects first, then the second-order
+// effects of the active ones.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "repose/doe/least_squares.hpp"
+#include "repose/doe/model_terms.hpp"
+
+namespace repose::doe {
+
+enum class Heredity {
+  strong,  ///< both factors of an interaction must be active
+  weak,    ///< one suffices; a quadratic needs its factor in either case
+};
+
+struct FitDsdOptions {
+  /// Threshold of stage 1 by degrees of freedom of its error: one, two, more than two.
+  double alpha_one_df = 0.20;
+  double alpha_two_df = 0.10;
+  double alpha_more_df = 0.05;
+  /// Stage 2 stops adding terms once what is left compares with stage 1's error at p above this.
+  double alpha_second = 0.20;
+  Heredity heredity = Heredity::strong;
+  /// Subsets of one size examined at most; beyond it terms are added greedily.
+  double subset_budget = 2.0e5;
+};
+
+struct FitDsdResult {
+  int pairs = 0;  ///< complete fold-over pairs, m
+  int centre_runs = 0;
+  // Stage 1
+  Vector main_effects;  ///< all factors' coefficients b
+  Vector t;             ///< before pooling; NaN without error degrees of freedom
+  Vector p;
+  double fake_ss = 0.0;    ///< odd part of y not explained by main effects
+  int fake_df = 0;         ///< pairs - factors
+  double centre_ss = 0.0;  ///< pure error of the centre runs
+  int centre_df = 0;
+  double alpha = 0.0;         ///< threshold used
+  std::vector<int> active;    ///< factors
+  double stage1_sigma = 0.0;  ///< after pooling the inactive main effects
+  int stage1_df = 0;
+  // Stage 2
+  double second_ss = 0.0;  ///< of the even part of y about its mean, without pure error
+  int second_df = 0;
+  double second_f = 0.0;
+  double second_p = 1.0;
+  struct Step {
+    std::vector<Term> terms;  ///< the best subset of its size
+    double residual_ss = 0.0;
+    double f = 0.0;
+    double p = 0.0;
+    bool exhaustive = true;
+  };
+  std::vector<Step> steps;
+  std::vector<Term> second_order;  ///< chosen
+  // Combined model: intercept, active main effects, chosen second-order terms
+  std::vector<Term> terms;
+  LeastSquaresFit fit;
+  std::vector<AnovaRow> anova;
+};
+
+/// [JonesNachtsheim2017], with the details of docs/methods/screening.md. `coded` must consist of
+/// fold-over pairs and centre runs; single runs (a mirror image failed) are left out. Throws
+/// InputError if fewer pairs than factors remain or `y` is not finite.
+FitDsdResult fit_definitive_screening(const Matrix& coded, const Vector& y,
+                                      const std::vector<std::string>& factors,
+                                      const FitDsdOptions& options = {});
+
+}  // namespace repose::doe

@@ -1,0 +1,63 @@
+// Which parameters matter: every repetition of a screening design analysed alone, then a vote.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "repose/doe/fit_dsd.hpp"
+#include "repose/doe/stepwise.hpp"
+#include "repose/doe/variance.hpp"
+
+namespace repose::doe {
+
+struct ScreeningOptions {
+  enum class Method { stepwise, fit_dsd };
+  Method method = Method::stepwise;
+  /// A term is significant if its p < alpha in the final model; in (0, 1). Also the stepwise
+  /// thresholds.
+  double alpha = 0.01;
+  /// A factor is selected if, for one response at least, it is significant in this share of the
+  /// repetitions; in (0, 1].
+  double vote_share = 0.8;
+  CandidateTerms candidates = CandidateTerms::main_and_second_order;  ///< stepwise only
+  StepDirection direction = StepDirection::mixed;                     ///< stepwise only
+  HierarchyRule rule = HierarchyRule::combine;                        ///< stepwise only
+  FitDsdOptions fit_dsd;                                              ///< fit_dsd only
+};
+
+/// One response; vectors have one value a factor.
+struct ResponseScreening {
+  std::string response;
+  Vector count;  ///< repetitions in which the factor or a term that contains it is significant
+  Vector sign;   ///< of `effect`: -1, 0 or 1
+  /// Median over repetitions of the smallest p of the factor's terms in the final model; of its
+  /// main effect if it were added, when it has none there.
+  Vector p_value;
+  /// Of the main effect in the fit of all repetitions together, tested against the variance between
+  /// repetitions of a run; NaN without repetitions.
+  Vector pooled_p_value;
+  Vector effect;  ///< coefficient of the main effect in coded units, mean over repetitions
+  VarianceDecomposition variance;
+  std::vector<std::vector<Term>> models;  ///< final model of each repetition
+};
+
+struct Screening {
+  std::vector<std::string> factors;
+  int repetitions = 0;
+  std::vector<ResponseScreening> responses;
+  std::vector<bool> selected;  ///< of the factors
+};
+
+/// `coded` is runs x factors; responses[r] is runs x repetitions, the same number for all. NaN
+/// marks a failed run: it is left out of that repetition. Each repetition must keep two runs more
+/// than there are factors and estimable main effects. Throws InputError naming response and
+/// repetition otherwise.
+Screening screen(const Matrix& coded, const std::vector<std::string>& factors,
+                 const std::vector<std::string>& response_names,
+                 const std::vector<Matrix>& responses, const ScreeningOptions& options = {});
+
+/// Factor i is selected if counts[r][i] >= share * repetitions for one response r at least
+/// [Hadi2026, section 5.3]. Throws InputError if lengths differ or share is not in (0, 1].
+std::vector<bool> vote(const std::vector<Vector>& counts, int repetitions, double share);
+
+}  // namespace repose::doe
