@@ -7,7 +7,14 @@
 namespace repose {
 
 /// What went wrong; the value is the exit code of every repose program.
-enum class ErrorKind { internal = 1, usage = 2, input = 3, numerical = 4, simulation = 5, storage = 6 };
+enum class ErrorKind {
+  internal = 1,
+  usage = 2,
+  input = 3,
+  numerical = 4,
+  simulation = 5,
+  storage = 6
+};
 
 /// Base of all exceptions thrown by repose. The message is one sentence that names the quantity,
 /// its value, what is allowed and what to do.

@@ -34,8 +34,9 @@ struct Tie {
 /// Values by name, as a simulation wants them.
 using ParameterValues = std::map<std::string, double>;
 
-/// An ordered set of free parameters together with fixed and tied ones. Valid from construction: names
-/// are unique, ranges are finite with lower < upper (and lower > 0 on a log scale), ties have no cycles.
+/// An ordered set of free parameters together with fixed and tied ones. Valid from construction:
+/// names are unique, ranges are finite with lower < upper (and lower > 0 on a log scale), ties have
+/// no cycles.
 class ParameterSpace {
  public:
   ParameterSpace() = default;
@@ -58,7 +59,8 @@ class ParameterSpace {
   /// Every value that a simulation needs: free ones as given, fixed ones, tied ones computed.
   ParameterValues complete(const Vector& natural) const;
 
-  /// The same space with only `names` free, in this order; the other free ones are fixed at `values`.
+  /// The same space with only `names` free, in this order; the other free ones are fixed at
+  /// `values`.
   ParameterSpace restricted_to(const std::vector<std::string>& names,
                                const ParameterValues& values) const;
 

@@ -8,13 +8,13 @@
 
 namespace repose {
 
-/// Philox4x32-10, [Salmon2011, section 3.3]: ten rounds, four 32-bit words of output a block.
+/// Philox4x32-10 of [Salmon2011]: ten rounds, four 32-bit words of output a block.
 std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,
                                         std::array<std::uint32_t, 2> key);
 
-/// A stream of random numbers, numbered by (seed, stream); streams are independent of each other and
-/// of the order in which they are used. Nothing but IEEE arithmetic and libm is used, so a build gives
-/// the same numbers in every run.
+/// A stream of random numbers, numbered by (seed, stream); streams are independent of each other
+/// and of the order in which they are used. Nothing but IEEE arithmetic and libm is used, so a
+/// build gives the same numbers in every run.
 class RandomStream {
  public:
   explicit RandomStream(std::uint64_t seed, std::uint64_t stream = 0);
@@ -23,7 +23,7 @@ class RandomStream {
   /// Uniform in [0, 1), 53 bits.
   double uniform();
   double uniform(double lower, double upper) { return lower + (upper - lower) * uniform(); }
-  /// Standard normal, by inversion-free Box–Muller.
+  /// Standard normal, by the method of Box and Muller.
   double normal();
   /// Uniform in {0, ..., n-1} without bias; n >= 1.
   std::uint64_t below(std::uint64_t n);
@@ -45,8 +45,8 @@ class RandomStream {
   double spare_ = 0.0;
 };
 
-/// A seed derived from another and a number, for runs and repetitions: well mixed, never negative as
-/// a 63-bit integer, so that it survives TOML and HDF5.
+/// A seed derived from another and a number, for runs and repetitions: well mixed, never negative
+/// as a 63-bit integer, so that it survives TOML and HDF5.
 std::uint64_t derive_seed(std::uint64_t seed, std::uint64_t number);
 
 }  // namespace repose

@@ -1,4 +1,5 @@
-// TOML files read strictly: every key is known, every value is checked, every error names file and line.
+// TOML files read strictly: every key is known, every value is checked, every error names file and
+// line.
 #pragma once
 
 #include <cstdint>
@@ -24,9 +25,9 @@ struct Allowed {
 inline constexpr Allowed kPositive{.lower = 0.0, .open_lower = true};
 inline constexpr Allowed kNonNegative{.lower = 0.0};
 
-/// A table of a TOML document. Reading a key marks it as known; refuse_unknown_keys() then reports the
-/// first key of this table and of its opened sub-tables that nobody asked for. All functions throw
-/// InputError as "FILE:LINE: table.key = value: what is wrong; what is allowed; what to do".
+/// A table of a TOML document. Reading a key marks it as known; refuse_unknown_keys() then reports
+/// the first key of this table and of its opened sub-tables that nobody asked for. All functions
+/// throw InputError as "FILE:LINE: table.key = value: what is wrong; what is allowed; what to do".
 class TomlTable {
  public:
   /// Parses a file. Throws StorageError if it cannot be read, InputError if it is not TOML.
@@ -40,7 +41,8 @@ class TomlTable {
   double number(std::string_view key, const Allowed& allowed = {}) const;
   double number_or(std::string_view key, double fallback, const Allowed& allowed = {}) const;
   std::int64_t integer(std::string_view key, const Allowed& allowed = {}) const;
-  std::int64_t integer_or(std::string_view key, std::int64_t fallback, const Allowed& allowed = {}) const;
+  std::int64_t integer_or(std::string_view key, std::int64_t fallback,
+                          const Allowed& allowed = {}) const;
   std::string text(std::string_view key) const;
   std::string text_or(std::string_view key, std::string fallback) const;
   /// A text that must be one of `choices`.
