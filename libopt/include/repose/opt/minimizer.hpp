@@ -24,6 +24,8 @@ struct MinimizerOptions {
   double relative_f_tolerance = 1e-12;
   /// All evaluations, those of a fallback included. Global methods use all of them.
   int max_evaluations = 2000;
+  /// First step of bobyqa as a fraction of the range; 0: chosen from start and bounds.
+  double initial_step = 0.0;
   /// Of crs2 and isres.
   std::uint64_t seed = 1;
 };
