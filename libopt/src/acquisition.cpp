@@ -14,8 +14,12 @@ constexpr double kTail = -2.5;
 /// Enough for a truncation error below 1e-20 at |z| = 2.5.
 constexpr int kFractionTerms = 60;
 
-double normal_density(double z) { return std::exp(-0.5 * z * z - kHalfLogTwoPi); }
-double normal_probability(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }
+double normal_density(double z) {
+  return std::exp(-0.5 * z * z - kHalfLogTwoPi);
+}
+double normal_probability(double z) {
+  return 0.5 * std::erfc(-z / std::numbers::sqrt2);
+}
 
 /// 1 - |z| m(|z|) for z < 0, with Mills' ratio m(a) = 1/(a + t), t = 1/(a + 2/(a + 3/(a + ...))).
 double one_minus_z_mills(double z) {

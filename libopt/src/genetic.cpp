@@ -41,6 +41,11 @@ void check(const GeneticOptions& o) {
   at_least(o.mutation_index, 0.0, "mutation_index");
 }
 
+Eigen::Index elite_count(const GeneticOptions& o) {
+  return std::min<Eigen::Index>(
+      o.population - 2, static_cast<Eigen::Index>(std::ceil(o.elite_fraction * o.population)));
+}
+
 Matrix natural(const Matrix& genomes, const Bounds& bounds) {
   Matrix x = genomes;
   for (Eigen::Index k = 0; k < x.cols(); ++k)
@@ -53,8 +58,8 @@ Matrix natural(const Matrix& genomes, const Bounds& bounds) {
 Vector evaluate(const BatchObjective& objective, const Matrix& genomes, const Bounds& bounds) {
   Vector values = objective(natural(genomes, bounds));
   if (values.size() != genomes.rows())
-    throw InputError(fmt::format("a batch objective returned {} values for {} points", values.size(),
-                                 genomes.rows()));
+    throw InputError(fmt::format("a batch objective returned {} values for {} points",
+                                 values.size(), genomes.rows()));
   for (double& v : values)
     if (!std::isfinite(v)) v = std::numeric_limits<double>::infinity();
   return values;
@@ -95,10 +100,12 @@ double mutated(double x, double index, RandomStream& random) {
   const double u = random.uniform();
   const double exponent = 1.0 / (index + 1.0);
   if (u < 0.5)
-    return std::max(0.0, x + std::pow(2.0 * u + (1.0 - 2.0 * u) * std::pow(1.0 - x, index + 1.0),
-                                      exponent) - 1.0);
-  return std::min(1.0, x + 1.0 - std::pow(2.0 * (1.0 - u) +
-                                              (2.0 * u - 1.0) * std::pow(x, index + 1.0), exponent));
+    return std::max(
+        0.0,
+        x + std::pow(2.0 * u + (1.0 - 2.0 * u) * std::pow(1.0 - x, index + 1.0), exponent) - 1.0);
+  return std::min(
+      1.0,
+      x + 1.0 - std::pow(2.0 * (1.0 - u) + (2.0 * u - 1.0) * std::pow(x, index + 1.0), exponent));
 }
 
 /// Children of tournament winners, crossed and mutated, as many as asked for.
@@ -113,7 +120,8 @@ Matrix offspring(const Population& p, Eigen::Index count, const GeneticOptions& 
         if (random.uniform() < 0.5) cross(a[k], b[k], o.crossover_index, random);
     for (Vector* child : {&a, &b})
       for (double& gene : *child)
-        if (random.uniform() < o.mutation_probability) gene = mutated(gene, o.mutation_index, random);
+        if (random.uniform() < o.mutation_probability)
+          gene = mutated(gene, o.mutation_index, random);
     children.row(i) = a;
     if (i + 1 < count) children.row(i + 1) = b;
   }
@@ -123,8 +131,7 @@ Matrix offspring(const Population& p, Eigen::Index count, const GeneticOptions& 
 Population next_generation(const BatchObjective& objective, const Bounds& bounds,
                            const Population& old, const GeneticOptions& o, RandomStream& random) {
   const auto n = static_cast<Eigen::Index>(o.population);
-  const auto elite = std::min<Eigen::Index>(
-      n - 2, static_cast<Eigen::Index>(std::ceil(o.elite_fraction * static_cast<double>(n))));
+  const Eigen::Index elite = elite_count(o);
   const Matrix children = offspring(old, n - elite, o, random);
   Population next{Matrix(n, old.genomes.cols()), Vector(n)};
   next.genomes << old.genomes.topRows(elite), children;
@@ -156,11 +163,11 @@ GeneticResult minimize_genetic(const BatchObjective& objective, const Bounds& bo
   GeneticResult result;
   result.evaluations = options.population;
   result.best_by_generation.push_back(p.values[0]);
-  while (result.generations < options.max_generations && !has_stalled(result.best_by_generation, options)) {
-    const Eigen::Index elite_before = p.values.size();
+  while (result.generations < options.max_generations &&
+         !has_stalled(result.best_by_generation, options)) {
     p = next_generation(objective, bounds, p, options, random);
     ++result.generations;
-    result.evaluations += elite_before;
+    result.evaluations += options.population - elite_count(options);
     result.best_by_generation.push_back(p.values[0]);
   }
   result.x = natural(p.genomes.topRows(1), bounds).row(0);
@@ -170,9 +177,9 @@ GeneticResult minimize_genetic(const BatchObjective& objective, const Bounds& bo
     result.message = fmt::format("no finite value in {} generations", result.generations);
   } else if (has_stalled(result.best_by_generation, options)) {
     result.termination = Termination::converged;
-    result.message = fmt::format("improved by less than {} in the last {} of {} generations",
-                                 options.function_tolerance, options.stall_generations,
-                                 result.generations);
+    result.message =
+        fmt::format("improved by less than {} in the last {} of {} generations",
+                    options.function_tolerance, options.stall_generations, result.generations);
   } else {
     result.termination = Termination::budget;
     result.message = fmt::format("all {} generations used", options.max_generations);

@@ -29,8 +29,8 @@ struct NloptDeleter {
 };
 using NloptHandle = std::unique_ptr<nlopt_opt_s, NloptDeleter>;
 
-/// Stands between NLopt and the objective: counts, remembers the best point, and replaces values that
-/// are not finite by one worse than all seen.
+/// Stands between NLopt and the objective: counts, remembers the best point, and replaces values
+/// that are not finite by one worse than all seen.
 class Recorder {
  public:
   Recorder(const Objective& objective, const Bounds& bounds, const Vector& start)
@@ -69,7 +69,8 @@ class Recorder {
   }
 
   double remember(double value) {
-    if (!std::isfinite(value)) return std::isfinite(worst_) ? worst_ + 10.0 * (1.0 + std::abs(worst_)) : 1e30;
+    if (!std::isfinite(value))
+      return std::isfinite(worst_) ? worst_ + 10.0 * (1.0 + std::abs(worst_)) : 1e30;
     worst_ = std::max(worst_, value);
     if (value < best_value_) {
       best_value_ = value;
@@ -133,7 +134,8 @@ NloptHandle make_handle(Algorithm algorithm, const Bounds& bounds, const Minimiz
   const Vector absolute = options.absolute_x_tolerance * range;
   require(nlopt_set_lower_bounds(handle.get(), bounds.lower.data()), "lower bounds");
   require(nlopt_set_upper_bounds(handle.get(), bounds.upper.data()), "upper bounds");
-  require(nlopt_set_xtol_rel(handle.get(), options.relative_x_tolerance), "the relative x tolerance");
+  require(nlopt_set_xtol_rel(handle.get(), options.relative_x_tolerance),
+          "the relative x tolerance");
   require(nlopt_set_xtol_abs(handle.get(), absolute.data()), "the absolute x tolerance");
   require(nlopt_set_ftol_rel(handle.get(), options.relative_f_tolerance), "the f tolerance");
   require(nlopt_set_maxeval(handle.get(), evaluations_left), "the evaluation limit");
@@ -172,7 +174,8 @@ Verdict verdict(nlopt_result result, Algorithm algorithm, double value, int eval
   if (result == NLOPT_MAXEVAL_REACHED)
     return {Termination::budget, fmt::format("{}: all {} evaluations used", name, evaluations)};
   if (result > 0)
-    return {Termination::converged, fmt::format("{}: converged after {} evaluations", name, evaluations)};
+    return {Termination::converged,
+            fmt::format("{}: converged after {} evaluations", name, evaluations)};
   return {Termination::round_off,
           fmt::format("{}: no further progress after {} evaluations", name, evaluations)};
 }
@@ -191,7 +194,8 @@ Minimum minimize(const Objective& objective, const Vector& start, const Bounds& 
     throw InputError(fmt::format("a start of {} coordinates, which must be {} finite numbers",
                                  start.size(), bounds.lower.size()));
   if (options.max_evaluations < 1)
-    throw InputError(fmt::format("max_evaluations is {}; it must be at least 1", options.max_evaluations));
+    throw InputError(
+        fmt::format("max_evaluations is {}; it must be at least 1", options.max_evaluations));
   const Clock::time_point begin = Clock::now();
   const Vector first = project(start, bounds);
   Recorder recorder(objective, bounds, first);

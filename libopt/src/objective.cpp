@@ -14,9 +14,10 @@ Bounds unit_cube(Eigen::Index dimension) {
 
 void check_bounds(const Bounds& bounds) {
   if (bounds.lower.size() != bounds.upper.size() || bounds.lower.size() == 0)
-    throw InputError(fmt::format(
-        "bounds have {} lower and {} upper ends; both must have one for each of at least 1 coordinate",
-        bounds.lower.size(), bounds.upper.size()));
+    throw InputError(
+        fmt::format("bounds have {} lower and {} upper ends; both must have one for each of at "
+                    "least 1 coordinate",
+                    bounds.lower.size(), bounds.upper.size()));
   for (Eigen::Index k = 0; k < bounds.lower.size(); ++k) {
     const double lower = bounds.lower[k];
     const double upper = bounds.upper[k];

@@ -5,18 +5,18 @@
 
 namespace repose::opt {
 
-/// E max(0, best - f), f ~ prediction [Jones1998, Eq. 15; thesis Eq. 17]: sigma h(z) with h(z) = phi(z) +
-/// z Phi(z) and z = (best - mu)/sigma; max(0, best - mu) where the variance is 0. Relative error below
-/// 2e-13 down to where the result underflows (z = -38).
+/// E max(0, best - f), f ~ prediction [Jones1998, Eq. 15; thesis Eq. 17]: sigma h(z) with h(z) =
+/// phi(z) + z Phi(z) and z = (best - mu)/sigma; max(0, best - mu) where the variance is 0. Relative
+/// error below 2e-13 down to where the result underflows (z = -38).
 double expected_improvement(const Gaussian& prediction, double best);
 
 /// Its natural logarithm, finite wherever sigma > 0 (z down to -1e150) [Ament2023, section 4.1];
 /// -infinity where the variance is 0 and mu >= best.
 double log_expected_improvement(const Gaussian& prediction, double best);
 
-/// log h(z) = log(phi(z) + z Phi(z)). Below z = -2.5 by the continued fraction of Mills' ratio, free of
-/// cancellation: h = phi t/(|z| + t), t = 1/(|z| + 2/(|z| + 3/...)). Relative error below 1e-14, absolute
-/// below 1e-15 around its zero at z = 0.9.
+/// log h(z) = log(phi(z) + z Phi(z)). Below z = -2.5 by the continued fraction of Mills' ratio,
+/// free of cancellation: h = phi t/(|z| + t), t = 1/(|z| + 2/(|z| + 3/...)). Relative error below
+/// 1e-14, absolute below 1e-15 around its zero at z = 0.9.
 double log_improvement_integral(double z);
 
 }  // namespace repose::opt
