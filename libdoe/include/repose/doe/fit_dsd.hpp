@@ -38,8 +38,10 @@ struct FitDsdResult {
   int fake_df = 0;         ///< pairs - factors
   double centre_ss = 0.0;  ///< pure error of the centre runs
   int centre_df = 0;
-  double alpha = 0.0;         ///< threshold used
-  std::vector<int> active;    ///< factors
+  double alpha = 0.0;       ///< threshold used
+  std::vector<int> active;  ///< factors
+  Vector active_t;  ///< of the active factors, after pooling the inactive ones into the error
+  Vector active_p;
   double stage1_sigma = 0.0;  ///< after pooling the inactive main effects
   int stage1_df = 0;
   // Stage 2

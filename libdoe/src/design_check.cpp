@@ -1,0 +1,155 @@
+// The check of a design: is it a definitive screening design?
+#include <fmt/format.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "fold_over.hpp"
+#include "repose/base/error.hpp"
+#include "repose/base/text.hpp"
+#include "repose/doe/designs.hpp"
+#include "repose/doe/model_terms.hpp"
+
+namespace repose::doe {
+namespace {
+
+constexpr double kSameLevel = 1e-9;  // decoded and coded again, a level keeps its first nine digits
+constexpr double kNoProduct = 1e-6;  // sums of products of such levels over at most a thousand runs
+
+void check_matrix(const Matrix& coded) {
+  if (coded.rows() == 0 || coded.cols() == 0)
+    throw InputError("design: it has no runs or no factors");
+  for (Eigen::Index run = 0; run < coded.rows(); ++run)
+    for (Eigen::Index factor = 0; factor < coded.cols(); ++factor)
+      if (!(std::abs(coded(run, factor)) <= 1.0 + kSameLevel))
+        throw InputError(
+            fmt::format("design: run {}, factor {} has the level {}; coded levels lie in "
+                        "[-1, 1]: code the design first",
+                        run + 1, factor + 1, coded(run, factor)));
+}
+
+std::string numbers_from_one(const std::vector<int>& runs) {
+  std::vector<std::string> texts;
+  for (const int run : runs) texts.push_back(std::to_string(run + 1));
+  return listed(texts);
+}
+
+double largest_offdiagonal(Matrix square) {
+  square.diagonal().setZero();
+  return square.cwiseAbs().maxCoeff();
+}
+
+double largest_correlation(const Matrix& coded) {
+  Matrix centred = coded.rowwise() - coded.colwise().mean();
+  for (Eigen::Index j = 0; j < centred.cols(); ++j) {
+    const double norm = centred.col(j).norm();
+    if (norm > 0.0) centred.col(j) /= norm;
+  }
+  return std::min(1.0, largest_offdiagonal(centred.transpose() * centred));
+}
+
+/// Largest |entry| of (X^T X)^-1 X^T Z in the rows of main effects; infinity if X has not full
+/// rank.
+double largest_alias(const Matrix& coded) {
+  const int factors = static_cast<int>(coded.cols());
+  const Matrix x = model_matrix(coded, candidate_terms(factors, CandidateTerms::main_effects));
+  if (x.rows() < x.cols()) return std::numeric_limits<double>::infinity();
+  const Eigen::ColPivHouseholderQR<Matrix> qr(x);
+  if (qr.rank() < x.cols()) return std::numeric_limits<double>::infinity();
+  double largest = 0.0;
+  for (const Term& term : candidate_terms(factors, CandidateTerms::main_and_second_order)) {
+    if (term.kind == Term::Kind::main_effect) continue;
+    const Vector coefficients = qr.solve(term_column(coded, term));
+    largest = std::max(largest, coefficients.tail(factors).cwiseAbs().maxCoeff());
+  }
+  return largest < kSameLevel ? 0.0 : largest;
+}
+
+std::vector<int> runs_with_other_levels(const Matrix& coded) {
+  std::vector<int> runs;
+  for (Eigen::Index run = 0; run < coded.rows(); ++run) {
+    const auto off = (coded.row(run).array() - coded.row(run).array().round()).abs();
+    if (off.maxCoeff() > kSameLevel) runs.push_back(static_cast<int>(run));
+  }
+  return runs;
+}
+
+std::vector<int> runs_with_several_zeros(const Matrix& coded, const std::vector<int>& centre_runs) {
+  std::vector<int> runs;
+  for (int run = 0; run < coded.rows(); ++run) {
+    const auto zeros = (coded.row(run).array().abs() <= kSameLevel).count();
+    const bool centre = std::find(centre_runs.begin(), centre_runs.end(), run) != centre_runs.end();
+    if (zeros > 1 && !centre) runs.push_back(run);
+  }
+  return runs;
+}
+
+void list_problems(const Matrix& coded, DesignCheck& check) {
+  const std::vector<int> other_levels = runs_with_other_levels(coded);
+  if (!other_levels.empty())
+    check.problems.push_back("runs with levels other than low, middle and high: " +
+                             numbers_from_one(other_levels));
+  if (check.centre_runs.empty()) check.problems.push_back("there is no centre run");
+  if (!check.orphans.empty())
+    check.problems.push_back("runs without a mirror image: " + numbers_from_one(check.orphans));
+  const std::vector<int> several_zeros = runs_with_several_zeros(coded, check.centre_runs);
+  if (!several_zeros.empty())
+    check.problems.push_back("runs with several factors at the middle: " +
+                             numbers_from_one(several_zeros));
+  if (std::isinf(check.alias_max))
+    check.problems.push_back("the main effects cannot all be estimated");
+  else if (check.alias_max > 0.0)
+    check.problems.push_back(fmt::format(
+        "main effects are aliased with second-order effects, by up to {:.3g}", check.alias_max));
+}
+
+}  // namespace
+
+FoldOver find_fold_over(const Matrix& coded) {
+  FoldOver result;
+  const int runs = static_cast<int>(coded.rows());
+  std::vector<bool> taken(static_cast<std::size_t>(runs), false);
+  for (int run = 0; run < runs; ++run) {
+    if (taken[static_cast<std::size_t>(run)]) continue;
+    if (coded.row(run).cwiseAbs().maxCoeff() <= kSameLevel) {
+      result.centre_runs.push_back(run);
+      continue;
+    }
+    int partner = run + 1;
+    while (partner < runs &&
+           (taken[static_cast<std::size_t>(partner)] ||
+            (coded.row(run) + coded.row(partner)).cwiseAbs().maxCoeff() > kSameLevel))
+      ++partner;
+    if (partner == runs) {
+      result.orphans.push_back(run);
+    } else {
+      taken[static_cast<std::size_t>(partner)] = true;
+      result.pairs.emplace_back(run, partner);
+    }
+  }
+  return result;
+}
+
+DesignCheck check_design(const Matrix& coded) {
+  check_matrix(coded);
+  FoldOver fold_over = find_fold_over(coded);
+  DesignCheck check;
+  check.runs = static_cast<int>(coded.rows());
+  check.factors = static_cast<int>(coded.cols());
+  check.pairs = std::move(fold_over.pairs);
+  check.centre_runs = std::move(fold_over.centre_runs);
+  check.orphans = std::move(fold_over.orphans);
+  check.column_sum_max = coded.colwise().sum().cwiseAbs().maxCoeff();
+  check.gram_offdiagonal_max = largest_offdiagonal(coded.transpose() * coded);
+  if (check.column_sum_max < kNoProduct) check.column_sum_max = 0.0;
+  if (check.gram_offdiagonal_max < kNoProduct) check.gram_offdiagonal_max = 0.0;
+  check.correlation_max = largest_correlation(coded);
+  check.alias_max = largest_alias(coded);
+  list_problems(coded, check);
+  return check;
+}
+
+}  // namespace repose::doe

@@ -1,0 +1,172 @@
+// Latin hypercubes and the swaps that improve them.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "repose/base/error.hpp"
+#include "repose/base/random.hpp"
+#include "repose/doe/designs.hpp"
+
+namespace repose::doe {
+namespace {
+
+/// A value strictly inside cell `cell` of `cells`. The offset is a multiple of 2^-21, so that cell
+/// + offset is exact and neither the division nor a multiplication by `cells` can leave the cell.
+double inside_cell(int cell, int cells, RandomStream& random) {
+  constexpr std::uint64_t kSteps = 1U << 20;
+  const double offset =
+      (static_cast<double>(random.below(kSteps)) + 0.5) / static_cast<double>(kSteps);
+  return (cell + offset) / cells;
+}
+
+Matrix plain_hypercube(int points, int dimensions, RandomStream& random) {
+  Matrix x(points, dimensions);
+  std::vector<int> cells(static_cast<std::size_t>(points));
+  for (int dimension = 0; dimension < dimensions; ++dimension) {
+    std::iota(cells.begin(), cells.end(), 0);
+    random.shuffle(cells);
+    for (int point = 0; point < points; ++point)
+      x(point, dimension) = inside_cell(cells[static_cast<std::size_t>(point)], points, random);
+  }
+  return x;
+}
+
+struct Swap {
+  int one, other, column;
+};
+
+Swap random_swap(const Matrix& x, RandomStream& random) {
+  const auto points = static_cast<std::uint64_t>(x.rows());
+  const int column = static_cast<int>(random.below(static_cast<std::uint64_t>(x.cols())));
+  const int one = static_cast<int>(random.below(points));
+  const int other = static_cast<int>(random.below(points - 1));
+  return {one, other < one ? other : other + 1, column};
+}
+
+/// Squared distances of all points, and sum d^-20 over pairs, kept up to date under swaps.
+class DistanceCriterion {
+ public:
+  explicit DistanceCriterion(Matrix x) : x_(std::move(x)), squared_(x_.rows(), x_.rows()) {
+    for (Eigen::Index i = 0; i < x_.rows(); ++i)
+      for (Eigen::Index j = 0; j < x_.rows(); ++j)
+        squared_(i, j) = (x_.row(i) - x_.row(j)).squaredNorm();
+  }
+
+  /// Makes the swap and keeps it if it lowers phi_20.
+  bool try_swap(const Swap& swap) {
+    const double before = sum_of(swap);
+    const Vector old_one = squared_.col(swap.one), old_other = squared_.col(swap.other);
+    exchange(swap);
+    update(swap.one);
+    update(swap.other);
+    if (sum_of(swap) < before) return true;
+    exchange(swap);
+    restore(swap.one, old_one);
+    restore(swap.other, old_other);
+    return false;
+  }
+
+  double smallest() const {
+    double least = std::numeric_limits<double>::infinity();
+    for (Eigen::Index j = 1; j < squared_.cols(); ++j)
+      least = std::min(least, squared_.col(j).head(j).minCoeff());
+    return least;
+  }
+  const Matrix& points() const { return x_; }
+
+ private:
+  static double inverse_power(double squared) {  // d^-20
+    const double s2 = squared * squared, s4 = s2 * s2;
+    return 1.0 / (s4 * s4 * s2);
+  }
+  /// The part of the sum in which one of the two points occurs.
+  double sum_of(const Swap& swap) const {
+    double sum = 0.0;
+    for (Eigen::Index k = 0; k < x_.rows(); ++k) {
+      if (k == swap.one || k == swap.other) continue;
+      sum += inverse_power(squared_(k, swap.one)) + inverse_power(squared_(k, swap.other));
+    }
+    return sum;
+  }
+  void exchange(const Swap& swap) {
+    std::swap(x_(swap.one, swap.column), x_(swap.other, swap.column));
+  }
+  void update(int point) {
+    for (Eigen::Index k = 0; k < x_.rows(); ++k)
+      squared_(k, point) = squared_(point, k) = (x_.row(k) - x_.row(point)).squaredNorm();
+  }
+  void restore(int point, const Vector& column) {
+    squared_.col(point) = column;
+    squared_.row(point) = column.transpose();
+  }
+
+  Matrix x_;
+  Matrix squared_;
+};
+
+Matrix maximin_hypercube(Matrix start, int iterations, RandomStream& random) {
+  DistanceCriterion criterion(std::move(start));
+  Matrix best = criterion.points();
+  double best_distance = criterion.smallest();
+  for (int i = 0; i < iterations; ++i) {
+    if (!criterion.try_swap(random_swap(criterion.points(), random))) continue;
+    const double distance = criterion.smallest();
+    if (distance > best_distance) {
+      best_distance = distance;
+      best = criterion.points();
+    }
+  }
+  return best;
+}
+
+/// Hill climbing on sum r^2: a swap changes one column's products with the others only.
+Matrix uncorrelated_hypercube(Matrix x, int iterations, RandomStream& random) {
+  Matrix centred = x.rowwise() - x.colwise().mean();
+  Matrix products = centred.transpose() * centred;
+  const Vector squares = products.diagonal();
+  for (int i = 0; i < iterations; ++i) {
+    const Swap swap = random_swap(x, random);
+    const double step = centred(swap.other, swap.column) - centred(swap.one, swap.column);
+    Vector changed = products.col(swap.column) +
+                     step * (centred.row(swap.one) - centred.row(swap.other)).transpose();
+    changed(swap.column) = squares(swap.column);
+    const auto cost = [&](const Vector& column) {
+      return (column.array().square() / squares.array()).sum();
+    };
+    if (cost(changed) >= cost(products.col(swap.column))) continue;
+    products.col(swap.column) = changed;
+    products.row(swap.column) = changed.transpose();
+    std::swap(x(swap.one, swap.column), x(swap.other, swap.column));
+    std::swap(centred(swap.one, swap.column), centred(swap.other, swap.column));
+  }
+  return x;
+}
+
+}  // namespace
+
+Matrix latin_hypercube(int points, int dimensions, const LatinHypercubeOptions& options) {
+  if (points < 1 || dimensions < 1)
+    throw InputError(
+        fmt::format("Latin hypercube: {} points in {} dimensions; both must be at least 1", points,
+                    dimensions));
+  if (options.iterations < 0)
+    throw InputError(
+        fmt::format("Latin hypercube: {} iterations; 0 or more are possible", options.iterations));
+  RandomStream random(options.seed);
+  Matrix x = plain_hypercube(points, dimensions, random);
+  if (points == 1) return x;
+  switch (options.criterion) {
+    case LatinHypercubeOptions::Criterion::plain:
+      return x;
+    case LatinHypercubeOptions::Criterion::maximin:
+      return maximin_hypercube(std::move(x), options.iterations, random);
+    case LatinHypercubeOptions::Criterion::correlation:
+      return uncorrelated_hypercube(std::move(x), options.iterations, random);
+  }
+  return x;
+}
+
+}  // namespace repose::doe

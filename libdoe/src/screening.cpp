@@ -1,0 +1,234 @@
+// Screening: each repetition analysed alone, then a vote.
+#include "repose/doe/screening.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "repose/base/error.hpp"
+#include "repose/doe/distributions.hpp"
+#include "sweep.hpp"
+
+namespace repose::doe {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// The runs of one repetition that did not fail.
+struct Repetition {
+  Matrix coded;
+  Vector y;
+};
+
+Repetition surviving_runs(const Matrix& coded, const Vector& y) {
+  std::vector<Eigen::Index> runs;
+  for (Eigen::Index run = 0; run < y.size(); ++run)
+    if (!std::isnan(y(run))) runs.push_back(run);
+  const auto n = static_cast<Eigen::Index>(runs.size());
+  Repetition repetition{Matrix(n, coded.cols()), Vector(n)};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    repetition.coded.row(i) = coded.row(runs[static_cast<std::size_t>(i)]);
+    repetition.y(i) = y(runs[static_cast<std::size_t>(i)]);
+  }
+  return repetition;
+}
+
+struct FinalModel {
+  std::vector<Term> terms;
+  Vector p;  ///< of the terms
+};
+
+FinalModel final_model(const Repetition& repetition, const std::vector<std::string>& factors,
+                       const ScreeningOptions& options) {
+  if (options.method == ScreeningOptions::Method::fit_dsd) {
+    const FitDsdResult result =
+        fit_definitive_screening(repetition.coded, repetition.y, factors, options.fit_dsd);
+    return {result.terms, result.fit.p.tail(static_cast<Eigen::Index>(result.terms.size()))};
+  }
+  const StepwiseResult result =
+      stepwise_regression(repetition.coded, repetition.y, factors,
+                          candidate_terms(static_cast<int>(factors.size()), options.candidates),
+                          {options.direction, options.rule, options.alpha, options.alpha});
+  return {result.terms, result.fit.p.tail(static_cast<Eigen::Index>(result.terms.size()))};
+}
+
+/// p of the main effect if it were added to the model; 1 if it cannot be.
+double p_if_added(const Repetition& repetition, const std::vector<Term>& terms, int factor) {
+  Sweep sweep(repetition.y);
+  sweep.append(Vector::Ones(repetition.y.size()));
+  for (const Term& term : terms) sweep.append(term_column(repetition.coded, term));
+  if (sweep.is_exact()) return 1.0;
+  const double before = sweep.residual_ss();
+  if (!sweep.append(repetition.coded.col(factor)) || sweep.residual_df() < 1) return 1.0;
+  const double p =
+      f_upper_tail((before - sweep.residual_ss()) / (sweep.residual_ss() / sweep.residual_df()),
+                   1.0, sweep.residual_df());
+  return std::isnan(p) ? 1.0 : p;
+}
+
+/// The smallest p of the terms that contain the factor.
+double p_of_factor(const Repetition& repetition, const FinalModel& model, int factor) {
+  double smallest = kNaN;
+  for (std::size_t j = 0; j < model.terms.size(); ++j)
+    if (model.terms[j].contains(factor))
+      smallest = std::fmin(smallest, model.p(static_cast<Eigen::Index>(j)));
+  return std::isnan(smallest) ? p_if_added(repetition, model.terms, factor) : smallest;
+}
+
+bool is_significant(const FinalModel& model, int factor, double alpha) {
+  for (std::size_t j = 0; j < model.terms.size(); ++j)
+    if (model.terms[j].contains(factor) && model.p(static_cast<Eigen::Index>(j)) < alpha)
+      return true;
+  return false;
+}
+
+double median(Vector values) {
+  std::sort(values.begin(), values.end());
+  const Eigen::Index n = values.size();
+  return n % 2 == 1 ? values(n / 2) : 0.5 * (values(n / 2 - 1) + values(n / 2));
+}
+
+/// Main effects of all repetitions together, tested against the variance within runs. The fit to
+/// the runs' means, weighted by their number of values, has the coefficients of the fit to all
+/// values.
+Vector pooled_p_values(const Matrix& coded, const Matrix& values,
+                       const VarianceDecomposition& variance,
+                       const std::vector<std::string>& factors) {
+  const auto k = static_cast<Eigen::Index>(factors.size());
+  const int within_df = variance.observations - variance.runs;
+  if (within_df == 0) return Vector::Constant(k, kNaN);
+  const std::vector<Term> terms =
+      candidate_terms(static_cast<int>(k), CandidateTerms::main_effects);
+  const Matrix all = model_matrix(coded, terms);
+  Matrix x(variance.runs, k + 1);
+  Vector y(variance.runs);
+  Eigen::Index row = 0;
+  for (Eigen::Index run = 0; run < values.rows(); ++run) {
+    const auto present = values.row(run).array().isNaN() == false;
+    const auto count = static_cast<double>(present.count());
+    if (count == 0.0) continue;
+    const double sum = present.select(values.row(run).array(), 0.0).sum();
+    x.row(row) = std::sqrt(count) * all.row(run);
+    y(row++) = std::sqrt(count) * (sum / count);
+  }
+  const LeastSquaresFit fit = fit_least_squares(x, y, column_names(terms, factors));
+  Vector p(k);
+  for (Eigen::Index j = 0; j < k; ++j)
+    p(j) = t_two_sided(fit.coefficients(j + 1) /
+                           std::sqrt(fit.unscaled_covariance(j + 1, j + 1) * variance.within_ms),
+                       within_df);
+  return p;
+}
+
+void check_input(const Matrix& coded, const std::vector<std::string>& factors,
+                 const std::vector<std::string>& names, const std::vector<Matrix>& responses,
+                 const ScreeningOptions& options) {
+  if (factors.empty() || static_cast<Eigen::Index>(factors.size()) != coded.cols())
+    throw InputError(fmt::format("screening: {} factor names for a design of {} factors",
+                                 factors.size(), coded.cols()));
+  if (!coded.allFinite()) throw InputError("screening: the design has a level that is not finite");
+  if (responses.empty() || names.size() != responses.size())
+    throw InputError(fmt::format("screening: {} response names for {} responses", names.size(),
+                                 responses.size()));
+  for (std::size_t r = 0; r < responses.size(); ++r) {
+    if (responses[r].rows() != coded.rows() || responses[r].cols() < 1 ||
+        responses[r].cols() != responses.front().cols())
+      throw InputError(
+          fmt::format("screening: response {} has {} runs x {} repetitions; the design has {} "
+                      "runs and the first response {} repetitions",
+                      names[r], responses[r].rows(), responses[r].cols(), coded.rows(),
+                      responses.front().cols()));
+    if (responses[r].array().isInf().any())
+      throw InputError(fmt::format(
+          "screening: response {} has an infinite value; mark failed runs as NaN", names[r]));
+  }
+  if (!(options.alpha > 0.0 && options.alpha < 1.0))
+    throw InputError(fmt::format("screening: alpha = {} is not in (0, 1)", options.alpha));
+}
+
+void require_enough_runs(const Repetition& repetition, std::size_t factors,
+                         const std::string& response, Eigen::Index number) {
+  if (repetition.y.size() < static_cast<Eigen::Index>(factors + 2))
+    throw InputError(
+        fmt::format("screening: response {}, repetition {}: {} runs have a value; {} factors "
+                    "need at least {}: repeat the failed runs or leave this repetition out",
+                    response, number + 1, repetition.y.size(), factors, factors + 2));
+}
+
+ResponseScreening screen_response(const Matrix& coded, const std::vector<std::string>& factors,
+                                  const std::string& name, const Matrix& values,
+                                  const ScreeningOptions& options) {
+  const int k = static_cast<int>(factors.size());
+  const Eigen::Index repetitions = values.cols();
+  const std::vector<Term> main_effects = candidate_terms(k, CandidateTerms::main_effects);
+  Matrix p(k, repetitions), effect(k, repetitions);
+  ResponseScreening result;
+  result.response = name;
+  result.count = Vector::Zero(k);
+  for (Eigen::Index r = 0; r < repetitions; ++r) {
+    const Repetition repetition = surviving_runs(coded, values.col(r));
+    require_enough_runs(repetition, factors.size(), name, r);
+    FinalModel model;
+    try {
+      effect.col(r) = fit_least_squares(model_matrix(repetition.coded, main_effects), repetition.y,
+                                        column_names(main_effects, factors))
+                          .coefficients.tail(k);
+      model = final_model(repetition, factors, options);
+    } catch (const InputError& error) {
+      throw InputError(
+          fmt::format("screening: response {}, repetition {} ({} of {} runs have a value): {}",
+                      name, r + 1, repetition.y.size(), coded.rows(), error.what()));
+    }
+    for (int factor = 0; factor < k; ++factor) {
+      p(factor, r) = p_of_factor(repetition, model, factor);
+      if (is_significant(model, factor, options.alpha)) result.count(factor) += 1.0;
+    }
+    result.models.push_back(std::move(model.terms));
+  }
+  result.effect = effect.rowwise().mean();
+  result.sign = result.effect.array().sign();
+  result.p_value = Vector(k);
+  for (int factor = 0; factor < k; ++factor) result.p_value(factor) = median(p.row(factor));
+  result.variance = decompose_variance(values);
+  result.pooled_p_value = pooled_p_values(coded, values, result.variance, factors);
+  return result;
+}
+
+}  // namespace
+
+std::vector<bool> vote(const std::vector<Vector>& counts, int repetitions, double share) {
+  if (!(share > 0.0 && share <= 1.0))
+    throw InputError(fmt::format("vote: a share of {} of the repetitions is not in (0, 1]", share));
+  if (counts.empty() || repetitions < 1)
+    throw InputError(fmt::format("vote: {} responses and {} repetitions; one of each is needed",
+                                 counts.size(), repetitions));
+  const double needed = share * repetitions * (1.0 - 1e-12);  // 0.7 * 10 is above 7 in binary
+  std::vector<bool> selected(static_cast<std::size_t>(counts.front().size()), false);
+  for (const Vector& count : counts) {
+    if (count.size() != counts.front().size())
+      throw InputError(
+          fmt::format("vote: counts of {} and of {} factors", counts.front().size(), count.size()));
+    for (Eigen::Index i = 0; i < count.size(); ++i)
+      if (count(i) >= needed) selected[static_cast<std::size_t>(i)] = true;
+  }
+  return selected;
+}
+
+Screening screen(const Matrix& coded, const std::vector<std::string>& factors,
+                 const std::vector<std::string>& response_names,
+                 const std::vector<Matrix>& responses, const ScreeningOptions& options) {
+  check_input(coded, factors, response_names, responses, options);
+  Screening screening{factors, static_cast<int>(responses.front().cols()), {}, {}};
+  std::vector<Vector> counts;
+  for (std::size_t r = 0; r < responses.size(); ++r) {
+    screening.responses.push_back(
+        screen_response(coded, factors, response_names[r], responses[r], options));
+    counts.push_back(screening.responses.back().count);
+  }
+  screening.selected = vote(counts, screening.repetitions, options.vote_share);
+  return screening;
+}
+
+}  // namespace repose::doe

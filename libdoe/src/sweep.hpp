@@ -1,0 +1,28 @@
+// A growing linear model as an orthonormal basis: what would a further column explain?
+#pragma once
+
+#include "repose/base/parameter_space.hpp"
+
+namespace repose::doe {
+
+/// y minus its projection on the columns appended so far, by Gram-Schmidt done twice.
+class Sweep {
+ public:
+  explicit Sweep(const Vector& y);
+
+  /// Adds a column. False, and nothing is changed, if it lies in the span of those before it (less
+  /// than 1e-8 of its length is left).
+  bool append(const Vector& column);
+
+  double residual_ss() const { return residual_.squaredNorm(); }
+  /// The residual is no more than rounding of y: tests against it mean nothing.
+  bool is_exact() const { return residual_ss() <= negligible_ss_; }
+  int residual_df() const { return static_cast<int>(residual_.size() - basis_.cols()); }
+
+ private:
+  Matrix basis_;
+  Vector residual_;
+  double negligible_ss_ = 0.0;
+};
+
+}  // namespace repose::doe
