@@ -39,8 +39,8 @@ struct Column {
   std::string name;
   std::string unit = "1";  ///< SI, e.g. "kg/s"; "1" is dimensionless
   Role role = Role::none;
-  std::optional<FactorRange> range;
-  Values values;
+  std::optional<FactorRange> range = std::nullopt;
+  Values values = {};
 };
 
 /// A column of doubles that holds `values` of a parameter, with its unit and range; role factor.
