@@ -1,0 +1,78 @@
+// A simulation of spheres between walls, step by step.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "repose/dem/contact_law.hpp"
+#include "repose/scene/case.hpp"
+
+namespace repose::dem {
+
+/// A sphere as seen from outside: everything at one time, SI.
+struct Sphere {
+  std::int32_t id = 0;        ///< from 0, in order of creation; for life
+  std::int32_t material = 0;  ///< index into Case::materials
+  double radius_m = 0.0;
+  double mass_kg = 0.0;
+  Vec3 position = Vec3::Zero();
+  Vec3 velocity = Vec3::Zero();
+  Vec3 angular_velocity = Vec3::Zero();
+};
+
+struct SimulationOptions {
+  /// Time step; 0 takes Case::time_step_rayleigh_fraction of the smallest Rayleigh time present.
+  double time_step_s = 0.0;
+  /// Skin of the neighbor lists in smallest radii: wide enough to rebuild rarely, narrow enough to
+  /// test few pairs. The result depends on it only through rounding.
+  double skin_radii = 1.3;
+};
+
+/// Owns all state of a run. Time advances by step(); everything in between is read only. One
+/// thread; the same case gives the same bits in every run of one build.
+class Simulation {
+ public:
+  /// Takes materials, walls, domain, gravity and particles from the case, and places its fill.
+  /// Stages and output are run_case()'s matter. Throws InputError for a case that cannot be
+  /// simulated and SimulationError if the fill does not fit.
+  explicit Simulation(const scene::Case& scene, const SimulationOptions& options = {});
+  ~Simulation();
+  Simulation(Simulation&&) noexcept;
+  Simulation& operator=(Simulation&&) noexcept;
+
+  /// Adds a sphere before the first step; returns its id. Throws InputError.
+  std::int32_t add_sphere(const scene::Particle& particle);
+
+  /// Advances n time steps. Throws SimulationError, naming sphere, place and speed, if one leaves
+  /// the domain, has no finite position or overlaps by more than half of its radius.
+  void step(std::int64_t n = 1);
+  /// Takes a wall, or all walls of a box, away. Throws InputError for an unknown name.
+  void open(const std::string& wall);
+
+  std::int64_t steps() const;
+  double time_s() const;
+  double time_step_s();  ///< fixed from the first call or the first step on
+  std::size_t size() const;
+  double mass_kg() const;
+  /// All spheres by id, velocities at time_s().
+  std::vector<Sphere> spheres();
+  /// Translational and rotational, at time_s().
+  double kinetic_energy_j();
+  /// Touching pairs and contacts with walls.
+  std::size_t contacts();
+  /// Largest overlap of any contact over the smaller radius since the last call of this function.
+  double take_largest_overlap_ratio();
+  /// Neighbor list builds so far.
+  std::int64_t rebuilds() const;
+  /// Pairs of ids in the neighbor list, smaller first, sorted; for tests.
+  std::vector<std::pair<std::int32_t, std::int32_t>> listed_pairs();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace repose::dem

@@ -1,0 +1,47 @@
+// The contact part of a time step: who touches whom, and the forces that follow.
+#pragma once
+
+#include <vector>
+
+#include "contact/law_table.hpp"
+#include "neighbor/neighbor_lists.hpp"
+
+namespace repose::dem {
+
+/// A touching pair of this step.
+struct TouchingPair {
+  Vec3 offset;  ///< from i to the nearest image of j
+  double distance2;
+  std::int32_t i, j, contact;
+};
+
+/// The deepest overlap, as a fraction of the smaller radius, with who has it.
+struct DeepestOverlap {
+  double overlap = 0.0;
+  double radius = 1.0;
+  std::int32_t sphere = -1;
+  std::int32_t other = -1;  ///< sphere or wall
+  bool is_wall = false;
+
+  double ratio() const { return overlap / radius; }
+  void see(double new_overlap, double new_radius, std::int32_t i, std::int32_t j, bool wall) {
+    if (new_overlap * radius <= overlap * new_radius) return;
+    *this = {new_overlap, new_radius, i, j, wall};
+  }
+};
+
+/// Finds the pairs that touch, in list order; begins contacts and ends those that separated.
+void find_touching(const Box& box, const Spheres& spheres, NeighborList& pairs, ContactPool& pool,
+                   std::vector<TouchingPair>& touching);
+
+/// Adds the forces of all touching pairs to the loads, in list order.
+void add_pair_forces(const LawTable& laws, double dt, const std::vector<TouchingPair>& touching,
+                     Spheres& spheres, ContactPool& pool, DeepestOverlap& deepest);
+
+/// Finds the contacts with walls and adds their forces to the loads, in list order; returns their
+/// number.
+std::size_t add_wall_forces(const LawTable& laws, const std::vector<WallSurface>& walls, double dt,
+                            Spheres& spheres, NeighborList& list, ContactPool& pool,
+                            DeepestOverlap& deepest);
+
+}  // namespace repose::dem

@@ -1,0 +1,56 @@
+// Records of the contacts that exist, addressed from the neighbor lists.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "repose/dem/contact_law.hpp"
+
+namespace repose::dem {
+
+inline constexpr std::int32_t kNoContact = -1;
+
+struct Contact {
+  ContactHistory history;
+  ContactBodies bodies;
+};
+
+/// Slots with a free list; a new contact gets the slot freed last.
+class ContactPool {
+ public:
+  std::int32_t begin_contact(const ContactBodies& bodies) {
+    std::int32_t slot;
+    if (free_.empty()) {
+      slot = static_cast<std::int32_t>(contacts_.size());
+      contacts_.emplace_back();
+    } else {
+      slot = free_.back();
+      free_.pop_back();
+    }
+    at(slot) = Contact{{}, bodies};
+    return slot;
+  }
+  void end_contact(std::int32_t slot) { free_.push_back(slot); }
+  Contact& at(std::int32_t slot) { return contacts_[static_cast<std::size_t>(slot)]; }
+  const Contact& at(std::int32_t slot) const { return contacts_[static_cast<std::size_t>(slot)]; }
+  std::size_t size() const { return contacts_.size() - free_.size(); }
+
+  /// An empty pool with room for as many contacts as this one holds.
+  ContactPool emptied() const {
+    ContactPool pool;
+    pool.contacts_.reserve(contacts_.size());
+    return pool;
+  }
+  /// Appends a contact; for pools without freed slots.
+  std::int32_t append(const Contact& contact) {
+    contacts_.push_back(contact);
+    return static_cast<std::int32_t>(contacts_.size() - 1);
+  }
+
+ private:
+  std::vector<Contact> contacts_;
+  std::vector<std::int32_t> free_;
+};
+
+}  // namespace repose::dem

@@ -1,0 +1,27 @@
+// Pair laws by the indices of two materials.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "repose/dem/contact_law.hpp"
+
+namespace repose::dem {
+
+class LawTable {
+ public:
+  /// Laws of all pairs of the case; a pair that the case does not have stays unknown.
+  explicit LawTable(const scene::Case& scene);
+
+  const PairLaw& at(std::int32_t first, std::int32_t second) const {
+    return laws_[static_cast<std::size_t>(first * count_ + second)];
+  }
+  /// Throws InputError if the case has no coefficients for this pair.
+  void require(const scene::Case& scene, std::int32_t first, std::int32_t second) const;
+
+ private:
+  std::int32_t count_;
+  std::vector<PairLaw> laws_;
+};
+
+}  // namespace repose::dem

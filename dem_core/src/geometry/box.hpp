@@ -1,0 +1,45 @@
+// The domain: where spheres may be, and the nearest image across its periodic sides.
+#pragma once
+
+#include <limits>
+
+#include "repose/dem/contact_law.hpp"
+
+namespace repose::dem {
+
+struct Box {
+  Vec3 lower;
+  Vec3 upper;
+  bool periodic[3];
+  Vec3 length;  ///< period; 0 where not periodic
+  Vec3 half;    ///< half of the period; infinite where not periodic
+
+  explicit Box(const scene::Case& scene)
+      : lower(scene.lower_m),
+        upper(scene.upper_m),
+        periodic{scene.periodic.x, scene.periodic.y, scene.periodic.z} {
+    for (int k = 0; k < 3; ++k) {
+      length[k] = periodic[k] ? upper[k] - lower[k] : 0.0;
+      half[k] = periodic[k] ? 0.5 * length[k] : std::numeric_limits<double>::infinity();
+    }
+  }
+
+  bool any_periodic() const { return periodic[0] || periodic[1] || periodic[2]; }
+
+  /// The shortest of all images of a difference of two positions in the box.
+  Vec3 nearest_image(Vec3 d) const {
+    for (int k = 0; k < 3; ++k) {
+      if (d[k] > half[k]) d[k] -= length[k];
+      if (d[k] < -half[k]) d[k] += length[k];
+    }
+    return d;
+  }
+
+  /// False also for a position that is not a number.
+  bool contains(const Vec3& x) const {
+    return x.x() >= lower.x() && x.x() < upper.x() && x.y() >= lower.y() && x.y() < upper.y() &&
+           x.z() >= lower.z() && x.z() < upper.z();
+  }
+};
+
+}  // namespace repose::dem

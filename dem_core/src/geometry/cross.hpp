@@ -1,0 +1,13 @@
+// The vector product, without the weight of Eigen/Geometry.
+#pragma once
+
+#include "repose/dem/contact_law.hpp"
+
+namespace repose::dem {
+
+inline Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(),
+          a.x() * b.y() - a.y() * b.x()};
+}
+
+}  // namespace repose::dem

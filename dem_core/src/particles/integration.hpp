@@ -1,0 +1,21 @@
+// Kick and drift: leapfrog with positions at t and velocities at t + dt/2.
+#pragma once
+
+#include "geometry/box.hpp"
+#include "particles/spheres.hpp"
+
+namespace repose::dem {
+
+/// v += (F/m + g) dt, w += T/I dt with the loads at t.
+void kick(const Vec3& gravity, double dt, Spheres& spheres);
+
+/// What became of the spheres in a drift.
+struct DriftResult {
+  double moved2 = 0.0;      ///< largest squared displacement since the lists were built
+  std::ptrdiff_t out = -1;  ///< first sphere that left the domain or has no finite position, or -1
+};
+
+/// x += v dt with images wrapped into the domain; sets all loads to zero.
+DriftResult drift(const Box& box, double dt, Spheres& spheres);
+
+}  // namespace repose::dem
