@@ -98,6 +98,7 @@ std::vector<int> active_by_order(const Split& s, FitDsdResult& result,
     return std::abs(result.main_effects(a)) > std::abs(result.main_effects(b));
   });
   double smallest_p = 1.0;
+  result.alpha = stage_one_alpha(options, result.pairs - 1);
   std::vector<int> active;
   double ss_before = odd_residual_ss(s, {});
   for (int i = 1; i < factors; ++i) {

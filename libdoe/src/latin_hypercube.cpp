@@ -1,7 +1,7 @@
 // Latin hypercubes and the swaps that improve them.
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -12,6 +12,8 @@
 
 namespace repose::doe {
 namespace {
+
+constexpr int kMostMaximinPoints = 4000;  // 128 MB of distances
 
 /// A value strictly inside cell `cell` of `cells`. The offset is a multiple of 2^-21, so that cell
 /// + offset is exact and neither the division nor a multiplication by `cells` can leave the cell.
@@ -155,6 +157,11 @@ Matrix latin_hypercube(int points, int dimensions, const LatinHypercubeOptions& 
   if (options.iterations < 0)
     throw InputError(
         fmt::format("Latin hypercube: {} iterations; 0 or more are possible", options.iterations));
+  if (options.criterion == LatinHypercubeOptions::Criterion::maximin && points > kMostMaximinPoints)
+    throw InputError(
+        fmt::format("Latin hypercube: {} points by maximin; {} are possible, any number by the "
+                    "plain and the correlation criterion",
+                    points, kMostMaximinPoints));
   RandomStream random(options.seed);
   Matrix x = plain_hypercube(points, dimensions, random);
   if (points == 1) return x;

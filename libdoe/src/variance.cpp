@@ -36,13 +36,24 @@ std::vector<std::vector<double>> shifted_groups(const Matrix& values) {
   return groups;
 }
 
+/// A sum with its rounding errors carried along [Neumaier1974].
+class Sum {
+ public:
+  void add(double value) {
+    const double next = sum_ + value;
+    lost_ += std::abs(sum_) >= std::abs(value) ? (sum_ - next) + value : (value - next) + sum_;
+    sum_ = next;
+  }
+  double value() const { return sum_ + lost_; }
+
+ private:
+  double sum_ = 0.0, lost_ = 0.0;
+};
+
 double mean(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value;
-  const double first = sum / static_cast<double>(values.size());
-  double correction = 0.0;  // second pass: what rounding left
-  for (const double value : values) correction += value - first;
-  return first + correction / static_cast<double>(values.size());
+  Sum sum;
+  for (const double value : values) sum.add(value);
+  return sum.value() / static_cast<double>(values.size());
 }
 
 }  // namespace
@@ -63,12 +74,15 @@ VarianceDecomposition decompose_variance(const Matrix& values) {
   VarianceDecomposition v;
   v.runs = static_cast<int>(groups.size());
   v.observations = static_cast<int>(all.size());
+  Sum between, within;
   for (const std::vector<double>& group : groups) {
     const double group_mean = mean(group);
     const double deviation = group_mean - grand_mean;
-    v.between_ss += static_cast<double>(group.size()) * deviation * deviation;
-    for (const double value : group) v.within_ss += (value - group_mean) * (value - group_mean);
+    between.add(static_cast<double>(group.size()) * deviation * deviation);
+    for (const double value : group) within.add((value - group_mean) * (value - group_mean));
   }
+  v.between_ss = between.value();
+  v.within_ss = within.value();
   const double total = v.between_ss + v.within_ss;
   v.parameter_share = total > 0.0 ? v.between_ss / total : kNaN;
   v.stochastic_share = total > 0.0 ? v.within_ss / total : kNaN;

@@ -13,10 +13,11 @@
 namespace repose::doe {
 
 /// A conference matrix C: zero diagonal, +-1 elsewhere, C C^T = C^T C = (order-1) I.
-/// Built by Paley's construction where order-1 is a prime power [Paley1933], by doubling a skew one
-/// [Goethals1967], from four circulants (36, 52) and by Mathon's blocks (46) [Mathon1978].
-/// Throws InputError for an order that is odd, that cannot exist (22, 34, 58: order-1 is no sum of
-/// two squares) or that is not built here; the message names the next order that is.
+/// Built by Paley's construction where order-1 is a prime power [Paley1933], by doubling a skew
+/// one, from four circulants (36 [Goethals1970], 52) and from blocks (46) [Mathon1978]: every order
+/// from 4 to 64 that exists, and most up to 128. Throws InputError for an order that is odd, that
+/// cannot exist (22, 34, 58: order-1 is no sum of two squares) or that is not built here; the
+/// message names the next order that is.
 Eigen::MatrixXi conference_matrix(int order);
 
 /// The smallest order >= `at_least` that conference_matrix() builds. Throws InputError above 128.

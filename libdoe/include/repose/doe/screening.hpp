@@ -22,7 +22,7 @@ struct ScreeningOptions {
   CandidateTerms candidates = CandidateTerms::main_and_second_order;  ///< stepwise only
   StepDirection direction = StepDirection::mixed;                     ///< stepwise only
   HierarchyRule rule = HierarchyRule::combine;                        ///< stepwise only
-  FitDsdOptions fit_dsd;                                              ///< fit_dsd only
+  FitDsdOptions fit_dsd = {};                                         ///< fit_dsd only
 };
 
 /// One response; vectors have one value a factor.

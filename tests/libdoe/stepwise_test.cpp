@@ -1,0 +1,154 @@
+// Stepwise regression against the paths of an independent program.
+#include "repose/doe/stepwise.hpp"
+
+#include <gtest/gtest.h>
+
+#include "csv.hpp"
+#include "expected.hpp"
+#include "repose/base/random.hpp"
+#include "repose/doe/designs.hpp"
+
+namespace repose::doe {
+namespace {
+
+using test::our_name;
+
+std::string step_text(const StepwiseStep& step, const std::vector<std::string>& factors) {
+  std::string text = step.action == StepwiseStep::Action::enter ? "enter " : "leave ";
+  for (const Term& term : step.entered_with) text += term_name(term, factors) + " ";
+  return text + term_name(step.term, factors);
+}
+
+/// The same of an expected step, e.g. ["enter", "X1+X3+X1*X3", p], with main effects in sorted
+/// order.
+std::string expected_text(const nlohmann::json& step, const std::vector<std::string>& factors) {
+  std::vector<std::string> names(1);
+  for (const char c : step[1].get<std::string>()) {
+    if (c == '+')
+      names.emplace_back();
+    else
+      names.back() += c;
+  }
+  std::string text = step[0].get<std::string>() + " ";
+  for (const std::string& factor : factors)
+    for (std::size_t i = 0; i + 1 < names.size(); ++i)
+      if (names[i] == factor) text += factor + " ";
+  return text + our_name(names.back());
+}
+
+struct RuleCase {
+  const char* data;
+  const char* key;
+  HierarchyRule rule;
+};
+
+class StepwisePath : public testing::TestWithParam<RuleCase> {};
+
+TEST_P(StepwisePath, AndFinalModelAreThoseOfAnIndependentProgram) {
+  const auto [data, key, rule] = GetParam();
+  const test::Case example = test::read_case(data);
+  const auto candidates = candidate_terms(static_cast<int>(example.factors.size()),
+                                          CandidateTerms::main_and_second_order);
+  const StepwiseResult result =
+      stepwise_regression(example.coded, example.y, example.factors, candidates, {.rule = rule});
+  const auto expected =
+      test::read_expected("dsd_stepwise_expected.json").at(std::string(data) + "/" + key);
+  ASSERT_EQ(result.path.size(), expected["history"].size());
+  for (std::size_t i = 0; i < result.path.size(); ++i) {
+    EXPECT_EQ(step_text(result.path[i], example.factors),
+              expected_text(expected["history"][i], example.factors));
+    test::expect_relative(result.path[i].p, expected["history"][i][2]);
+  }
+  test::expect_estimates(result.fit, expected["estimates"]);
+  test::expect_relative(result.fit.sigma, expected["rmse"]);
+  test::expect_relative(result.fit.r_squared, expected["r2"]);
+  EXPECT_EQ(result.fit.residual_df, expected["df_error"].get<int>());
+  EXPECT_EQ(result.anova.size(), result.terms.size());
+  EXPECT_EQ(result.termination, StepwiseResult::Termination::no_candidate);
+}
+
+constexpr const char* kSix = "A_6factor_2fake";
+constexpr const char* kFifteen = "C_15factor_37run_B2";
+INSTANTIATE_TEST_SUITE_P(Rules, StepwisePath,
+                         testing::Values(RuleCase{kSix, "combine14", HierarchyRule::combine},
+                                         RuleCase{kSix, "combine13", HierarchyRule::combine_joint},
+                                         RuleCase{kSix, "none", HierarchyRule::none},
+                                         RuleCase{kFifteen, "combine14", HierarchyRule::combine},
+                                         RuleCase{kFifteen, "combine13",
+                                                  HierarchyRule::combine_joint},
+                                         RuleCase{kFifteen, "none", HierarchyRule::none}),
+                         [](const auto& parameter) {
+                           return std::string(parameter.param.data).substr(0, 1) +
+                                  parameter.param.key;
+                         });
+
+TEST(Stepwise, UnderRestrictNoTermStandsWithoutItsMainEffects) {
+  const test::Case example = test::read_case(kFifteen);
+  const auto candidates = candidate_terms(15, CandidateTerms::main_and_second_order);
+  const StepwiseResult result = stepwise_regression(example.coded, example.y, example.factors,
+                                                    candidates, {.rule = HierarchyRule::restrict});
+  EXPECT_GT(result.terms.size(), 4u);
+  for (const StepwiseStep& step : result.path) EXPECT_TRUE(step.entered_with.empty());
+  for (const Term& term : result.terms)
+    for (const Term& precedent : precedents(term))
+      EXPECT_NE(std::find(result.terms.begin(), result.terms.end(), precedent), result.terms.end());
+}
+
+TEST(Stepwise, BackwardEqualsDroppingTheLargestPUntilAllAreBelowTheThreshold) {
+  const test::Case example = test::read_case(kFifteen);
+  std::vector<Term> terms = candidate_terms(15, CandidateTerms::main_effects);
+  const StepwiseResult result =
+      stepwise_regression(example.coded, example.y, example.factors, terms,
+                          {.direction = StepDirection::backward, .p_leave = 0.05});
+  while (true) {  // the slow twin
+    const LeastSquaresFit fit = fit_least_squares(model_matrix(example.coded, terms), example.y);
+    Eigen::Index worst = 0;
+    if (fit.p.tail(fit.p.size() - 1).maxCoeff(&worst) <= 0.05) break;
+    terms.erase(terms.begin() + worst);
+  }
+  EXPECT_EQ(result.terms, terms);
+  EXPECT_EQ(result.path.size(), 15u - terms.size());
+}
+
+TEST(Stepwise, ForwardNeverRemoves) {
+  const test::Case example = test::read_case(kFifteen);
+  const auto candidates = candidate_terms(15, CandidateTerms::main_and_second_order);
+  const StepwiseResult result = stepwise_regression(
+      example.coded, example.y, example.factors, candidates,
+      {.direction = StepDirection::forward, .rule = HierarchyRule::combine_joint});
+  for (const StepwiseStep& step : result.path) EXPECT_EQ(step.action, StepwiseStep::Action::enter);
+}
+
+TEST(Stepwise, FindsAnExactModelAndStops) {
+  const Matrix coded = definitive_screening_design(6).coded;
+  const std::vector<std::string> factors{"a", "b", "c", "d", "e", "f"};
+  const Vector y = 3.0 + 2.0 * coded.col(1).array() - coded.col(4).array() * coded.col(1).array() +
+                   4.0 * coded.col(4).array();
+  const StepwiseResult result = stepwise_regression(
+      coded, y, factors, candidate_terms(6, CandidateTerms::main_and_second_order), {});
+  EXPECT_EQ(result.termination, StepwiseResult::Termination::exact_fit);
+  ASSERT_EQ(result.terms.size(), 3u);
+  EXPECT_LT(result.fit.sigma, 1e-13);
+}
+
+TEST(Stepwise, OfAConstantResponseHasNoTerms) {
+  const Matrix coded = definitive_screening_design(3).coded;
+  const StepwiseResult result =
+      stepwise_regression(coded, Vector::Constant(coded.rows(), 0.1), {"a", "b", "c"},
+                          candidate_terms(3, CandidateTerms::main_and_second_order), {});
+  EXPECT_TRUE(result.terms.empty());
+}
+
+TEST(Stepwise, RefusesWhatItCannotAnalyse) {
+  const Matrix coded = definitive_screening_design(3).coded;
+  const Vector y = Vector::LinSpaced(coded.rows(), 0.0, 1.0);
+  const auto terms = candidate_terms(3, CandidateTerms::main_effects);
+  EXPECT_THROW(stepwise_regression(coded, y, {"a", "b"}, terms), InputError);
+  EXPECT_THROW(stepwise_regression(coded, y.head(4), {"a", "b", "c"}, terms), InputError);
+  EXPECT_THROW(stepwise_regression(coded, y, {"a", "b", "c"}, {}), InputError);
+  EXPECT_THROW(stepwise_regression(coded, y, {"a", "b", "c"}, {main_effect(3)}), InputError);
+  EXPECT_THROW(stepwise_regression(coded, y, {"a", "b", "c"}, terms, {.p_enter = 0.0}), InputError);
+}
+
+}  // namespace
+}  // namespace repose::doe
