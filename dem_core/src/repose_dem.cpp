@@ -1,0 +1,153 @@
+// The program repose-dem: runs a case file.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "repose/base/error.hpp"
+#include "repose/base/file.hpp"
+#include "repose/base/text.hpp"
+#include "repose/dem/run_case.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+volatile std::sig_atomic_t signal_seen = 0;
+void note_signal(int number) {
+  signal_seen = number;
+}
+
+constexpr const char* kFooter =
+    "Example:\n"
+    "  repose-dem tests/data/quick_drawdown.toml -o run\n"
+    "\n"
+    "Keys of the case file (SI; docs/methods/dem.md has the whole table):\n"
+    "  gravity_m_s2 = [0, 0, -9.81]\n"
+    "  [run]         seed, time_step_rayleigh_fraction\n"
+    "  [domain]      lower_m, upper_m, periodic = [\"y\"]\n"
+    "  [[material]]  name, density_kg_m3, youngs_modulus_pa | shear_modulus_pa, poissons_ratio\n"
+    "  [[pair]]      materials = [\"a\", \"b\"], restitution, mu_s, mu_r, rolling_damping\n"
+    "  [[wall]]      name, material, shape = \"plane\" | \"rectangle\", origin_m,\n"
+    "                normal | edge_u_m and edge_v_m\n"
+    "  [[box]]       name, material, lower_m, upper_m, open = [\"+z\"]\n"
+    "  [[region]]    name, x_above_m, x_below_m, ... z_below_m\n"
+    "  [fill]        lower_m, upper_m, solid_fraction\n"
+    "  [[fill.layer]] material, mass_kg, sizes = [{diameter_m, mass_fraction}, ...]\n"
+    "  [[particle]]  material, radius_m, position_m, velocity_m_s, angular_velocity_rad_s\n"
+    "  [[stage]]     name, opens = [\"wall\"], duration_s, minimum_s,\n"
+    "                at_rest = {kinetic_energy_ratio, window_s},\n"
+    "                flow_ends = {region, fraction, window_s}\n"
+    "  [output]      snapshot_interval_s, series_interval_s\n"
+    "\n"
+    "Exit codes: 0 done, 1 internal error, 2 usage, 3 bad input, 5 simulation failure or\n"
+    "interrupted, 6 file or storage.";
+
+struct Options {
+  std::string case_file;
+  std::string output;
+  std::optional<std::uint64_t> seed;
+  bool quiet = false;
+  bool json = false;
+};
+
+bool is_file_name(const fs::path& output) {
+  return output.extension() == ".h5";
+}
+
+/// Runs in a folder, or beside a file that the result is then moved onto.
+repose::scene::RunSummary run_into(const repose::scene::Case& scene, const fs::path& output,
+                                   const repose::ProgressCallback& progress) {
+  if (!is_file_name(output)) return repose::dem::run_case(scene, output, progress);
+  fs::path parts = output;
+  parts += ".parts";
+  const repose::scene::RunSummary summary = repose::dem::run_case(scene, parts, progress);
+  repose::commit_file(parts / "run.h5", output);
+  std::error_code ignored;  // the result is in place; a folder left behind does no harm
+  fs::remove_all(parts, ignored);
+  return summary;
+}
+
+void print_json(const repose::scene::RunSummary& s, const std::string& output) {
+  nlohmann::ordered_json json;
+  json["output"] = output;
+  json["particles"] = s.particles;
+  json["mass_kg"] = s.mass_kg;
+  json["time_step_s"] = s.time_step_s;
+  json["steps"] = s.steps;
+  json["wall_time_s"] = s.wall_time_s;
+  json["largest_overlap_ratio"] = s.largest_overlap_ratio;
+  json["seed"] = s.seed;
+  json["stages"] = nlohmann::ordered_json::array();
+  for (const repose::scene::StageEnd& stage : s.stages)
+    json["stages"].push_back(
+        {{"name", stage.name}, {"end_time_s", stage.time_s}, {"reason", stage.reason}});
+  std::puts(json.dump(2).c_str());
+}
+
+void print_text(const repose::scene::RunSummary& s, const std::string& output) {
+  fmt::print("{} spheres, {:.6g} kg, {} steps of {:.4g} s in {:.3g} s; largest overlap {:.3g}\n",
+             s.particles, s.mass_kg, s.steps, s.time_step_s, s.wall_time_s,
+             s.largest_overlap_ratio);
+  for (const repose::scene::StageEnd& stage : s.stages)
+    fmt::print("stage {}: {:.4g} s, {}\n", stage.name, stage.time_s, stage.reason);
+  fmt::print("{}\n", is_file_name(output) ? output : (fs::path(output) / "run.h5").string());
+}
+
+void run(const Options& options) {
+  repose::scene::Case scene = repose::scene::read_case(options.case_file);
+  if (options.seed) scene.seed = *options.seed;
+  repose::ProgressDisplay display("repose-dem", options.quiet ? repose::ProgressStyle::quiet
+                                                              : repose::ProgressStyle::automatic);
+  const auto progress = [&](double done, double total, std::string_view note) {
+    if (signal_seen != 0)
+      throw repose::SimulationError(
+          fmt::format("interrupted by signal {} at {:.4g} of {:.4g} s; no run.h5 was written, "
+                      "start the same command again",
+                      static_cast<int>(signal_seen), done, total));
+    display.update(done, total, note);
+  };
+  const repose::scene::RunSummary summary = run_into(scene, options.output, progress);
+  display.finish();
+  if (options.json)
+    print_json(summary, options.output);
+  else
+    print_text(summary, options.output);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Runs a discrete element simulation: spheres between walls, from a case file.",
+               "repose-dem");
+  app.footer(kFooter);
+  Options options;
+  app.add_option("case", options.case_file, "Case file")->required();
+  app.add_option("-o,--output", options.output, "Folder of the run, or RUN.h5 for one file")
+      ->required();
+  app.add_option("--seed", options.seed, "Replaces run.seed of the case");
+  app.add_flag("--quiet", options.quiet, "No progress");
+  app.add_flag("--json", options.json, "Summary as JSON on stdout");
+  app.set_version_flag("--version", repose::version());
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : static_cast<int>(repose::ErrorKind::usage);
+  }
+  std::signal(SIGINT, note_signal);
+  std::signal(SIGTERM, note_signal);
+  try {
+    run(options);
+    return 0;
+  } catch (const repose::Error& error) {
+    fmt::print(stderr, "repose-dem: {}\n", error.what());
+    return error.exit_code();
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "repose-dem: internal error: {}\n", error.what());
+    return static_cast<int>(repose::ErrorKind::internal);
+  }
+}
