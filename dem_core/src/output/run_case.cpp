@@ -84,11 +84,13 @@ class Runner {
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
     summary_.steps = sim.steps();
     summary_.wall_time_s = elapsed.count();
+    const double cpu_s = static_cast<double>(std::clock() - cpu_begin) / CLOCKS_PER_SEC;
+    const double work = static_cast<double>(sim.steps()) * static_cast<double>(sim.size());
     writer_.log(fmt::format(
-        "finished: {} steps, {} builds of neighbor lists, {:.3g} s, {:.3g} "
-        "sphere-steps/s",
-        sim.steps(), sim.rebuilds(), elapsed.count(),
-        static_cast<double>(sim.steps()) * static_cast<double>(sim.size()) / elapsed.count()));
+        "finished: {} steps, {} builds of neighbor lists, {:.3g} s; processor time {:.3g} s, "
+        "{:.3g} "
+        "sphere-steps/s of it",
+        sim.steps(), sim.rebuilds(), elapsed.count(), cpu_s, work / std::max(cpu_s, 1e-9)));
     writer_.finish(summary_);
   }
 
