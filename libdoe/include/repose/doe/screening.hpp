@@ -57,7 +57,7 @@ Screening screen(const Matrix& coded, const std::vector<std::string>& factors,
                  const std::vector<Matrix>& responses, const ScreeningOptions& options = {});
 
 /// Factor i is selected if counts[r][i] >= share * repetitions for one response r at least
-/// [Hadi2026, section 5.3]. Throws InputError if lengths differ or share is not in (0, 1].
+/// [Hadi2026, section 5.3.3]. Throws InputError if lengths differ or share is not in (0, 1].
 std::vector<bool> vote(const std::vector<Vector>& counts, int repetitions, double share);
 
 }  // namespace repose::doe
