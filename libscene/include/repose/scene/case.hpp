@@ -16,7 +16,7 @@ using Vec3 = Eigen::Vector3d;
 /// A material of particles or walls. A case file may give shear_modulus_pa instead of
 /// youngs_modulus_pa; E = 2 G (1 + nu).
 struct Material {
-  std::string name;
+  std::string name{};
   double density_kg_m3 = 0.0;
   double youngs_modulus_pa = 0.0;
   double poissons_ratio = 0.25;  ///< in (-1, 0.5]
@@ -25,7 +25,7 @@ struct Material {
 
 /// Coefficients of one pair of materials; order does not matter, each pair stands once.
 struct PairCoefficients {
-  std::string first, second;
+  std::string first{}, second{};
   double restitution = 0.5;      ///< in (0, 1]
   double mu_s = 0.0;             ///< sliding friction
   double mu_r = 0.0;             ///< rolling friction
@@ -46,8 +46,8 @@ enum class WallShape { plane, rectangle };
 /// A plane bounds the half-space its normal points into, which is where the particles are; a
 /// rectangle spans origin + a u + b v with a, b in [0, 1] and pushes on both of its sides.
 struct Wall {
-  std::string name;
-  std::string material;
+  std::string name{};
+  std::string material{};
   WallShape shape = WallShape::rectangle;
   Vec3 origin = Vec3::Zero();
   Vec3 normal = Vec3::Zero();  ///< of a plane, any length; zero for a rectangle
@@ -64,7 +64,7 @@ std::vector<Wall> box_walls(const std::string& name, const std::string& material
 /// A box whose mass is recorded; a particle is in it if its centre is in [lower, upper). Bounds may
 /// be infinite.
 struct Region {
-  std::string name;
+  std::string name{};
   Vec3 lower = Vec3::Zero();
   Vec3 upper = Vec3::Zero();
   bool operator==(const Region&) const = default;
@@ -72,9 +72,9 @@ struct Region {
 
 /// Particles of one material, poured as one layer.
 struct Layer {
-  std::string material;
+  std::string material{};
   double mass_kg = 0.0;
-  std::vector<SizeClass> sizes;  ///< mass fractions sum to 1
+  std::vector<SizeClass> sizes{};  ///< mass fractions sum to 1
   bool operator==(const Layer&) const = default;
 };
 
@@ -84,13 +84,13 @@ struct Fill {
   Vec3 lower = Vec3::Zero();
   Vec3 upper = Vec3::Zero();
   double solid_fraction = 0.33;  ///< of the loose column, before it falls; at most 0.36
-  std::vector<Layer> layers;     ///< bottom first
+  std::vector<Layer> layers{};   ///< bottom first
   bool operator==(const Fill&) const = default;
 };
 
 /// A particle placed by hand.
 struct Particle {
-  std::string material;
+  std::string material{};
   Vec3 position = Vec3::Zero();          ///< m
   Vec3 velocity = Vec3::Zero();          ///< m/s
   Vec3 angular_velocity = Vec3::Zero();  ///< rad/s
@@ -109,7 +109,7 @@ struct AtRest {
 /// A stage ends when during the last window_s the mass in `region` fell by less than `fraction` of
 /// what has left it since the stage began (of what it held then, if nothing has left).
 struct FlowEnds {
-  std::string region;
+  std::string region{};
   double fraction = 0.005;
   double window_s = 0.2;
   bool operator==(const FlowEnds&) const = default;
@@ -117,12 +117,12 @@ struct FlowEnds {
 
 /// A span of time that begins with walls being taken away.
 struct Stage {
-  std::string name;
-  std::vector<std::string> opens;  ///< names of walls; the name of a box means all of its faces
-  double duration_s = 0.0;         ///< at most
-  double minimum_s = 0.0;          ///< no criterion ends it earlier
-  std::optional<AtRest> at_rest;
-  std::optional<FlowEnds> flow_ends;
+  std::string name{};
+  std::vector<std::string> opens{};  ///< names of walls; the name of a box means all of its faces
+  double duration_s = 0.0;           ///< at most
+  double minimum_s = 0.0;            ///< no criterion ends it earlier
+  std::optional<AtRest> at_rest{};
+  std::optional<FlowEnds> flow_ends{};
   bool operator==(const Stage&) const = default;
 };
 
@@ -143,15 +143,15 @@ struct Case {
   Vec3 gravity_m_s2{0.0, 0.0, -9.81};
   Vec3 lower_m = Vec3::Zero();  ///< the domain: its extent is the period of a periodic direction;
   Vec3 upper_m = Vec3::Zero();  ///< elsewhere a particle whose centre leaves it is lost, an error
-  Periodic periodic;
-  std::vector<Material> materials;
-  std::vector<PairCoefficients> pairs;
-  std::vector<Wall> walls;
-  std::vector<Region> regions;
-  std::optional<Fill> fill;
-  std::vector<Particle> particles;
-  std::vector<Stage> stages;
-  Output output;
+  Periodic periodic{};
+  std::vector<Material> materials{};
+  std::vector<PairCoefficients> pairs{};
+  std::vector<Wall> walls{};
+  std::vector<Region> regions{};
+  std::optional<Fill> fill{};
+  std::vector<Particle> particles{};
+  std::vector<Stage> stages{};
+  Output output{};
   bool operator==(const Case&) const = default;
 };
 
