@@ -16,7 +16,7 @@ namespace repose::plot {
 /// outside given limits are not shown. The label reads "Mass flow (kg/s)"; unit "1" or "" is not
 /// shown, "deg" is shown as °, "m3" as m³.
 struct Axis {
-  std::string label;
+  std::string label = {};
   std::string unit = "1";
   std::optional<double> lower = std::nullopt;
   std::optional<double> upper = std::nullopt;
@@ -42,6 +42,8 @@ enum class ColorScale { sequential, diverging };
 
 /// Whether the cells of a heat map show their value.
 enum class CellText { hidden, shown };
+
+struct FigureContent;
 
 /// Builds one figure. Series take the next of eight colours that colour-blind readers can tell
 /// apart; series with the same label share a colour and an entry of the legend, an empty label has
@@ -78,12 +80,11 @@ class Figure {
   /// Cell (i, j) of `values` spans y_edges[i..i+1] and x_edges[j..j+1]; `label` names the colour
   /// bar.
   Figure& heat_map(std::span<const double> x_edges, std::span<const double> y_edges,
-                   const Matrix& values, std::string label,
-                   ColorScale colors = ColorScale::sequential);
+                   const Matrix& values, Axis color, ColorScale colors = ColorScale::sequential);
   /// The same with a category for each column and row; the first row is on top.
   Figure& heat_map(const std::vector<std::string>& columns, const std::vector<std::string>& rows,
-                   const Matrix& values, std::string label,
-                   ColorScale colors = ColorScale::sequential, CellText text = CellText::shown);
+                   const Matrix& values, Axis color, ColorScale colors = ColorScale::sequential,
+                   CellText text = CellText::shown);
 
   /// Shaded between two values of y (a target and its tolerance) or of x.
   Figure& band(double lower, double upper, std::string label = {});
@@ -99,8 +100,7 @@ class Figure {
   std::string svg() const;
 
  private:
-  struct Content;
-  std::unique_ptr<Content> content_;
+  std::unique_ptr<FigureContent> content_;
 };
 
 }  // namespace repose::plot
