@@ -4,7 +4,8 @@ target_compile_features(repose_options INTERFACE cxx_std_20)
 # Same bits whatever the optimiser does: no contraction into fused multiply-add, no fast-math anywhere.
 target_compile_options(repose_options INTERFACE -ffp-contract=off)
 target_compile_options(repose_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor
-                       -Woverloaded-virtual -Wold-style-cast -Wunused)
+                       -Woverloaded-virtual -Wold-style-cast -Wunused
+                       -Wno-missing-field-initializers)  # options are aggregates with defaults
 if(REPOSE_WARNINGS_AS_ERRORS)
   target_compile_options(repose_options INTERFACE -Werror)
 endif()

@@ -1,0 +1,79 @@
+// An engine runs one case in one folder; whoever has these members is one.
+#pragma once
+
+#include <atomic>
+#include <concepts>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+namespace repose::dem_adapter {
+
+/// Where the engine's own words go: into its log, or to the terminal with its progress.
+enum class EngineStreams { to_log, inherited };
+
+/// One simulation to be done. `directory` holds case.toml; the engine writes its output folder
+/// `directory`/output and its log `directory`/engine.log.
+struct EngineJob {
+  std::filesystem::path directory;
+  double time_limit_s = 0.0;                     ///< 0: none
+  const std::atomic<bool>* cancelled = nullptr;  ///< becomes true when the run is to be given up
+  EngineStreams streams = EngineStreams::to_log;
+};
+
+enum class EngineStatus { finished, failed, timed_out, cancelled };
+
+struct EngineExit {
+  EngineStatus status = EngineStatus::failed;
+  std::string message;  ///< why it did not finish, in one sentence
+  double wall_time_s = 0.0;
+};
+
+template <class E>
+concept EngineLike = requires(const E& e, const EngineJob& job) {
+  { e.name() } -> std::convertible_to<std::string>;
+  { e.run(job) } -> std::convertible_to<EngineExit>;
+};
+
+/// Any engine as a value. run() may be called from several threads at once.
+class Engine {
+ public:
+  template <EngineLike E>
+  requires(!std::same_as<std::remove_cvref_t<E>, Engine>) Engine(E engine)
+      : model_(std::make_shared<const Model<E>>(std::move(engine))) {}
+  /// With its version: part of what names a run.
+  std::string name() const { return model_->name(); }
+  EngineExit run(const EngineJob& job) const { return model_->run(job); }
+
+ private:
+  struct Interface {
+    virtual ~Interface() = default;
+    virtual std::string name() const = 0;
+    virtual EngineExit run(const EngineJob& job) const = 0;
+  };
+  template <class E>
+  struct Model final : Interface {
+    explicit Model(E e) : engine(std::move(e)) {}
+    std::string name() const override { return engine.name(); }
+    EngineExit run(const EngineJob& job) const override { return engine.run(job); }
+    E engine;
+  };
+  std::shared_ptr<const Interface> model_;
+};
+
+/// The bundled engine: repose-dem as a child process in a process group of its own, so that a time
+/// limit ends everything it started, and that dies with us.
+class BundledEngine {
+ public:
+  /// `program` empty: repose-dem beside the running program, then on PATH. Throws StorageError if
+  /// there is none.
+  explicit BundledEngine(std::filesystem::path program = {});
+  std::string name() const;
+  /// Throws the Error of the engine where no run could succeed: bad input, a full disk.
+  EngineExit run(const EngineJob& job) const;
+
+ private:
+  std::filesystem::path program_;
+};
+
+}  // namespace repose::dem_adapter

@@ -1,0 +1,76 @@
+// A scenario: a laboratory test as a family of simulations with parameters and KPIs.
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "repose/base/parameter_space.hpp"
+#include "repose/base/toml.hpp"
+#include "repose/dem_adapter/measurement.hpp"
+#include "repose/scene/case.hpp"
+#include "repose/scene/run_output.hpp"
+
+namespace repose::dem_adapter {
+
+/// Anything with these members is a scenario.
+template <class S>
+concept ScenarioLike = requires(const S& s, const ParameterValues& values, const scene::Run& run) {
+  { s.name() } -> std::convertible_to<std::string>;
+  { s.parameter_names() } -> std::convertible_to<std::vector<std::string>>;
+  { s.kpi_names() } -> std::convertible_to<std::vector<std::string>>;
+  { s.make_case(values, std::uint64_t{}) } -> std::convertible_to<scene::Case>;
+  { s.measure(run) } -> std::convertible_to<Measurement>;
+};
+
+/// Any scenario as a value; copies share it, and it never changes.
+class Scenario {
+ public:
+  template <ScenarioLike S>
+  requires(!std::same_as<std::remove_cvref_t<S>, Scenario>) Scenario(S scenario)
+      : model_(std::make_shared<const Model<S>>(std::move(scenario))) {}
+
+  std::string name() const { return model_->name(); }
+  /// Names that make_case() understands; each has a default.
+  std::vector<std::string> parameter_names() const { return model_->parameter_names(); }
+  std::vector<std::string> kpi_names() const { return model_->kpi_names(); }
+  /// The simulation with these values in place of defaults. Names it does not know are ignored
+  /// (they may be sources of ties); values out of range throw InputError naming them.
+  scene::Case make_case(const ParameterValues& values, std::uint64_t seed) const {
+    return model_->make_case(values, seed);
+  }
+  Measurement measure(const scene::Run& run) const { return model_->measure(run); }
+
+ private:
+  struct Interface {
+    virtual ~Interface() = default;
+    virtual std::string name() const = 0;
+    virtual std::vector<std::string> parameter_names() const = 0;
+    virtual std::vector<std::string> kpi_names() const = 0;
+    virtual scene::Case make_case(const ParameterValues& values, std::uint64_t seed) const = 0;
+    virtual Measurement measure(const scene::Run& run) const = 0;
+  };
+  template <class S>
+  struct Model final : Interface {
+    explicit Model(S s) : scenario(std::move(s)) {}
+    std::string name() const override { return scenario.name(); }
+    std::vector<std::string> parameter_names() const override { return scenario.parameter_names(); }
+    std::vector<std::string> kpi_names() const override { return scenario.kpi_names(); }
+    scene::Case make_case(const ParameterValues& values, std::uint64_t seed) const override {
+      return scenario.make_case(values, seed);
+    }
+    Measurement measure(const scene::Run& run) const override { return scenario.measure(run); }
+    S scenario;
+  };
+  std::shared_ptr<const Interface> model_;
+};
+
+/// Reads `scenario = "NAME"` and what belongs to it from a table. Throws InputError.
+Scenario read_scenario(const TomlTable& table);
+/// The same from a file that holds nothing else.
+Scenario read_scenario_file(const std::filesystem::path& path);
+
+}  // namespace repose::dem_adapter

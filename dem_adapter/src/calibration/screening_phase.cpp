@@ -1,0 +1,99 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "phases.hpp"
+#include "repose/base/error.hpp"
+#include "repose/base/text.hpp"
+#include "repose/doe/designs.hpp"
+
+namespace repose::dem_adapter {
+
+Matrix screening_design(const Study& study) {
+  return doe::definitive_screening_design(
+             static_cast<int>(study.space.dimension()),
+             {.fake_factors = study.screening.fake_factors, .seed = study.seed})
+      .coded;
+}
+
+doe::Screening analyse_screening(const Study& study, const Matrix& coded, const Dataset& data) {
+  std::vector<std::string> names;
+  std::vector<Matrix> responses;
+  for (const auto& target : study.targets) {
+    const auto& kpi = target.target.name;
+    Matrix values = Matrix::Constant(coded.rows(), study.screening.repetitions,
+                                     std::numeric_limits<double>::quiet_NaN());
+    for (const auto& o : data.observations)
+      if (data.points[o.point].phase == Phase::screening && o.outcome.usable())
+        values(static_cast<Eigen::Index>(o.point), o.repetition) =
+            o.outcome.measurement.kpis.at(kpi);
+    names.push_back(kpi);
+    responses.push_back(std::move(values));
+  }
+  return doe::screen(coded, study.space.names(), names, responses, study.screening.analysis);
+}
+
+std::vector<std::string> choose_parameters(const doe::Screening& screening,
+                                           std::vector<std::string>& remarks) {
+  std::vector<std::string> chosen;
+  for (std::size_t i = 0; i < screening.factors.size(); ++i)
+    if (screening.selected[i]) chosen.push_back(screening.factors[i]);
+  if (!chosen.empty()) return chosen;
+
+  std::vector<double> smallest(screening.factors.size(), 2.0);
+  for (const auto& response : screening.responses)
+    for (std::size_t i = 0; i < smallest.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      const double p =
+          std::isnan(response.pooled_p_value[k]) ? response.p_value[k] : response.pooled_p_value[k];
+      if (p < smallest[i]) smallest[i] = p;
+    }
+  std::vector<std::size_t> order(smallest.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return smallest[a] < smallest[b]; });
+  order.resize(std::min<std::size_t>(2, order.size()));
+  std::sort(order.begin(), order.end());
+  for (const auto i : order) chosen.push_back(screening.factors[i]);
+  remarks.push_back(
+      fmt::format("No parameter was significant often enough; the two with the smallest p-values, "
+                  "{}, were calibrated. "
+                  "Widen the ranges or raise screening.repetitions before trusting the result.",
+                  listed(chosen)));
+  return chosen;
+}
+
+Vector best_screening_point(const Study& study, const Dataset& data) {
+  const auto targets = study.plain_targets();
+  double best = std::numeric_limits<double>::infinity();
+  const Point* best_point = nullptr;
+  for (std::size_t p = 0; p < data.points.size(); ++p) {
+    if (data.points[p].phase != Phase::screening) continue;
+    std::vector<double> sums(targets.size(), 0.0);
+    int runs = 0;
+    for (const auto& o : data.observations) {
+      if (o.point != p || !o.outcome.usable()) continue;
+      ++runs;
+      for (std::size_t j = 0; j < targets.size(); ++j)
+        sums[j] += o.outcome.measurement.kpis.at(targets[j].name);
+    }
+    if (runs == 0) continue;
+    for (auto& sum : sums) sum /= runs;
+    const double error = opt::weighted_error(std::span<const double>(sums), targets);
+    if (error < best) {
+      best = error;
+      best_point = &data.points[p];
+    }
+  }
+  if (best_point == nullptr)
+    throw SimulationError(
+        "every run of the screening failed; look at the failures in runs.h5 and at "
+        "runs/*/engine.log, and "
+        "choose ranges in which the material flows");
+  return best_point->unit;
+}
+
+}  // namespace repose::dem_adapter

@@ -1,0 +1,202 @@
+#include "repose/dem_adapter/study.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "repose/base/error.hpp"
+#include "repose/base/text.hpp"
+#include "repose/doe/designs.hpp"
+
+namespace repose::dem_adapter {
+namespace {
+
+constexpr Allowed kAtLeastOne{.lower = 1.0, .upper = 1e6};
+constexpr Allowed kShare{.lower = 0.0, .upper = 1.0, .open_lower = true};
+constexpr int kFewestFactors = 3, kMostFactors = 50;  // of a screening design here
+
+int count(const TomlTable& table, std::string_view key, int fallback, const Allowed& allowed) {
+  return static_cast<int>(table.integer_or(key, fallback, allowed));
+}
+
+Scenario read_scenario_of(const TomlTable& root, const std::filesystem::path& folder) {
+  if (root.has("scenario") && !root.is_table("scenario"))
+    return read_scenario_file(folder / root.text("scenario"));
+  return read_scenario(root.table("scenario"));
+}
+
+/// Refuses a name that nothing would use: neither the scenario knows it nor a tie builds on it.
+void check_known(const TomlTable& table, const std::string& name,
+                 const std::vector<std::string>& known, const std::set<std::string>& sources) {
+  if (sources.count(name) > 0 || std::find(known.begin(), known.end(), name) != known.end()) return;
+  const auto similar = closest_name(name, known);
+  table.fail(name,
+             similar.empty()
+                 ? fmt::format("the scenario has no parameter {} and no tie uses it; it has {}",
+                               name, listed(known))
+                 : fmt::format("the scenario has no parameter {} and no tie uses it; did you "
+                               "mean {}?",
+                               name, similar));
+}
+
+ParameterSpace read_space(const TomlTable& root, const std::vector<std::string>& known) {
+  std::vector<Tie> ties;
+  std::set<std::string> sources;
+  const auto tie_table = root.table_if_present("ties");
+  if (tie_table)
+    for (const auto& name : tie_table->keys()) {
+      check_known(*tie_table, name, known, {});
+      ties.push_back({.name = name, .sources = tie_table->texts(name)});
+      sources.insert(ties.back().sources.begin(), ties.back().sources.end());
+    }
+  const auto parameters = root.table("parameters");
+  std::vector<Parameter> free;
+  for (const auto& name : parameters.keys()) {
+    check_known(parameters, name, known, sources);
+    const auto p = parameters.table(name);
+    Parameter parameter{.name = name, .lower = p.number("lower"), .upper = p.number("upper")};
+    if (p.choice_or("scale", "linear", {"linear", "log"}) == "log") parameter.scale = Scale::log;
+    parameter.unit = p.text_or("unit", "1");
+    if (parameter.lower >= parameter.upper)
+      p.fail("lower", fmt::format("{} is not below upper = {}; swap or widen them",
+                                  shortest(parameter.lower), shortest(parameter.upper)));
+    free.push_back(std::move(parameter));
+  }
+  if (free.size() < kFewestFactors || free.size() > kMostFactors)
+    parameters.fail("", fmt::format("there are {} parameters; a screening needs {} to {}",
+                                    free.size(), kFewestFactors, kMostFactors));
+  ParameterValues fixed;
+  if (const auto table = root.table_if_present("fixed"))
+    for (const auto& name : table->keys()) {
+      check_known(*table, name, known, sources);
+      fixed[name] = table->number(name);
+    }
+  try {
+    return ParameterSpace(std::move(free), std::move(fixed), std::move(ties));
+  } catch (const InputError& error) {
+    parameters.fail("", error.what());
+  }
+}
+
+std::vector<MeasuredTarget> read_targets(const TomlTable& root,
+                                         const std::vector<std::string>& kpis) {
+  const auto table = root.table("targets");
+  std::vector<MeasuredTarget> targets;
+  for (const auto& name : table.keys()) {
+    if (std::find(kpis.begin(), kpis.end(), name) == kpis.end())
+      table.fail(name,
+                 fmt::format("the scenario has no KPI of this name; it has {}", listed(kpis)));
+    const auto t = table.table(name);
+    MeasuredTarget target;
+    target.target.name = name;
+    target.target.value = t.number("value");
+    target.ci95 = t.number_or("ci95", 0.0, kNonNegative);
+    target.target.weight = t.number_or("weight", 1.0, kPositive);
+    if (t.has("scale")) target.target.scale = t.number("scale", kPositive);
+    if (target.target.value == 0.0 && target.target.scale == 0.0)
+      t.fail("value", "0 has no relative error; give the target a scale");
+    targets.push_back(std::move(target));
+  }
+  if (targets.empty()) table.fail("", "there is no target; give at least one");
+  double sum = 0.0;
+  for (const auto& t : targets) sum += t.target.weight;
+  for (auto& t : targets) {
+    t.target.weight /= sum;  // Eq. 5.7 of [Hadi2026]: weights sum to 1
+    if (t.target.scale == 0.0) t.target.scale = std::abs(t.target.value);
+  }
+  return targets;
+}
+
+void read_plans(const TomlTable& root, Study& study) {
+  if (const auto t = root.table_if_present("screening")) {
+    auto& plan = study.screening;
+    plan.repetitions = count(*t, "repetitions", plan.repetitions, kAtLeastOne);
+    plan.fake_factors = count(*t, "fake_factors", plan.fake_factors, {.lower = 0, .upper = 20});
+    plan.analysis.alpha =
+        t->number_or("alpha", plan.analysis.alpha,
+                     {.lower = 0, .upper = 1, .open_lower = true, .open_upper = true});
+    plan.analysis.vote_share = t->number_or("vote", plan.analysis.vote_share, kShare);
+    if (t->choice_or("method", "stepwise", {"stepwise", "fit-dsd"}) == "fit-dsd")
+      plan.analysis.method = doe::ScreeningOptions::Method::fit_dsd;
+    if (t->choice_or("terms", "second-order", {"main", "second-order"}) == "main")
+      plan.analysis.candidates = doe::CandidateTerms::main_effects;
+  }
+  if (const auto t = root.table_if_present("sampling")) {
+    auto& plan = study.sampling;
+    plan.points_per_parameter =
+        count(*t, "points_per_parameter", plan.points_per_parameter, kAtLeastOne);
+    plan.repetitions = count(*t, "repetitions", plan.repetitions, kAtLeastOne);
+    plan.use_screening_runs = t->flag_or("use_screening_runs", plan.use_screening_runs);
+  }
+  if (const auto t = root.table_if_present("adaptive")) {
+    auto& plan = study.adaptive;
+    plan.batch = count(*t, "batch", plan.batch, kAtLeastOne);
+    plan.max_batches = count(*t, "max_batches", plan.max_batches, {.lower = 0, .upper = 1e6});
+    plan.r2 = t->number_or("r2", plan.r2, {.lower = 0, .upper = 1});
+  }
+  if (const auto t = root.table_if_present("surrogate")) {
+    study.surrogate.kernel = surrogate::kernel_named(
+        t->choice_or("kernel", "ard-matern52", {"ard-matern52", "ard-squared-exponential"}));
+    study.surrogate.starts = count(*t, "starts", study.surrogate.starts, kAtLeastOne);
+  }
+  if (const auto t = root.table_if_present("optimiser")) {
+    auto& ga = study.genetic;
+    ga.population = count(*t, "population", ga.population, {.lower = 4, .upper = 1e6});
+    ga.max_generations = count(*t, "max_generations", ga.max_generations, kAtLeastOne);
+    ga.crossover_probability =
+        t->number_or("crossover_probability", ga.crossover_probability, {.lower = 0, .upper = 1});
+    ga.mutation_probability =
+        t->number_or("mutation_probability", ga.mutation_probability, {.lower = 0, .upper = 1});
+    ga.function_tolerance = t->number_or("function_tolerance", ga.function_tolerance, kNonNegative);
+  }
+  if (const auto t = root.table_if_present("verification"))
+    study.verification.repetitions =
+        count(*t, "repetitions", study.verification.repetitions, kAtLeastOne);
+  if (const auto t = root.table_if_present("compute")) {
+    study.compute.workers =
+        static_cast<unsigned>(t->integer_or("workers", 0, {.lower = 0, .upper = 4096}));
+    study.compute.time_limit_s =
+        t->number_or("time_limit_s", study.compute.time_limit_s, kPositive);
+  }
+}
+
+}  // namespace
+
+std::vector<opt::Target> Study::plain_targets() const {
+  std::vector<opt::Target> plain;
+  for (const auto& t : targets) plain.push_back(t.target);
+  return plain;
+}
+
+Study read_study(const std::filesystem::path& path) {
+  const auto root = TomlTable::read_file(path);
+  Study study{.title = root.text_or("title", path.stem().string()),
+              .scenario = read_scenario_of(root, path.parent_path()),
+              .seed = static_cast<std::uint64_t>(root.integer_or("seed", 1, {.lower = 0.0}))};
+  study.space = read_space(root, study.scenario.parameter_names());
+  study.targets = read_targets(root, study.scenario.kpi_names());
+  read_plans(root, study);
+  root.refuse_unknown_keys();
+  // A study whose simulations cannot be built is refused before any of them runs: its corners are
+  // tried.
+  const auto d = static_cast<Eigen::Index>(study.space.dimension());
+  for (const double corner : {0.0, 0.5, 1.0})
+    scene::validate(study.scenario.make_case(
+        study.space.complete(study.space.from_unit(Vector::Constant(d, corner))), 0));
+  return study;
+}
+
+RunCounts planned_runs(const Study& study) {
+  const auto k = static_cast<int>(study.space.dimension());
+  const auto design =
+      doe::definitive_screening_design(k, {.fake_factors = study.screening.fake_factors});
+  return {
+      .screening = static_cast<int>(design.coded.rows()) * study.screening.repetitions,
+      .sampling = k * study.sampling.points_per_parameter * study.sampling.repetitions,
+      .adaptive = study.adaptive.batch * study.adaptive.max_batches * study.sampling.repetitions,
+      .verification = 2 * study.verification.repetitions};
+}
+
+}  // namespace repose::dem_adapter

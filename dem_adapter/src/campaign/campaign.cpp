@@ -1,0 +1,144 @@
+#include "repose/dem_adapter/campaign.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "outcome_file.hpp"
+#include "repose/base/error.hpp"
+#include "repose/base/file.hpp"
+#include "repose/base/text.hpp"
+#include "repose/base/thread_pool.hpp"
+
+namespace repose::dem_adapter {
+
+Campaign::Campaign(std::filesystem::path directory, Engine engine, Measure measure,
+                   CampaignOptions options)
+    : directory_(std::move(directory)),
+      engine_(std::move(engine)),
+      measure_(std::move(measure)),
+      options_(options) {
+  if (options_.workers == 0) options_.workers = std::max(1U, std::thread::hardware_concurrency());
+  make_directory(directory_ / "runs");
+  const auto lock_file = directory_ / ".lock";
+  lock_ = ::open(lock_file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (lock_ < 0)
+    throw StorageError(
+        fmt::format("cannot write in '{}': {}", directory_.string(), std::strerror(errno)));
+  if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
+    const int code = errno;
+    ::close(lock_);
+    throw StorageError(
+        code == EWOULDBLOCK
+            ? fmt::format("another process is working in '{}'; wait for it or choose another "
+                          "directory",
+                          directory_.string())
+            : fmt::format("cannot lock '{}': {}", lock_file.string(), std::strerror(code)));
+  }
+}
+
+Campaign::~Campaign() {
+  ::close(lock_);
+}
+
+std::string Campaign::key_of(const std::string& case_text) const {
+  return fmt::format("{:016x}", content_hash(engine_.name() + '\n' + case_text));
+}
+
+RunOutcome Campaign::run_one(const std::string& key, const std::string& case_text) const {
+  const auto folder = directory_ / "runs" / key;
+  const auto case_file = folder / "case.toml";
+  if (auto outcome = read_outcome(folder / "outcome.json")) {
+    if (read_file(case_file) == case_text) return *outcome;
+    throw StorageError(fmt::format(
+        "'{}' belongs to another case than its name says; move that folder away", folder.string()));
+  }
+  if (options_.cancelled != nullptr && *options_.cancelled) throw Interrupted();
+  std::filesystem::remove_all(folder / "output");  // of a run that did not finish
+  make_directory(folder);
+  write_file_atomically(case_file, case_text);
+  const auto exit = engine_.run({.directory = folder,
+                                 .time_limit_s = options_.time_limit_s,
+                                 .cancelled = options_.cancelled});
+  if (exit.status == EngineStatus::cancelled) throw Interrupted();
+  RunOutcome outcome{.key = key, .measurement = {}, .wall_time_s = exit.wall_time_s};
+  if (exit.status == EngineStatus::finished) {
+    try {
+      outcome.measurement = measure_(folder / "output");
+    } catch (const Error& error) {
+      outcome.measurement.failure = fmt::format("its output cannot be measured: {}", error.what());
+    }
+  } else {
+    outcome.measurement.failure = exit.message;
+  }
+  write_outcome(folder / "outcome.json", outcome, engine_.name());
+  return outcome;
+}
+
+std::vector<RunOutcome> Campaign::run(const std::vector<scene::Case>& cases,
+                                      const ProgressCallback& progress) const {
+  std::vector<std::string> keys;
+  std::map<std::string, std::string> texts;  // by key: equal cases are one run
+  std::vector<std::string> order;
+  for (const auto& c : cases) {
+    auto text = scene::case_text(c);
+    keys.push_back(key_of(text));
+    const auto [it, is_new] = texts.emplace(keys.back(), text);
+    REPOSE_ASSERT(it->second == text, "two cases share the key " + keys.back());
+    if (is_new) order.push_back(keys.back());
+  }
+  std::mutex mutex;
+  std::map<std::string, RunOutcome> outcomes;
+  std::size_t failed = 0;
+  // What is finished is read first, so that the rate shown is that of new runs.
+  std::vector<std::string> open;
+  for (const auto& key : order) {
+    if (std::filesystem::exists(directory_ / "runs" / key / "outcome.json")) {
+      auto outcome = run_one(key, texts.at(key));
+      failed += outcome.usable() ? 0 : 1;
+      outcomes.emplace(key, std::move(outcome));
+    } else {
+      open.push_back(key);
+    }
+  }
+  const auto report = [&] {
+    if (!progress) return;
+    const auto note = fmt::format("{} of {} runs{}", outcomes.size(), order.size(),
+                                  failed > 0 ? fmt::format(", {} failed", failed) : "");
+    progress(static_cast<double>(outcomes.size()), static_cast<double>(order.size()), note);
+  };
+  report();
+  parallel_for(open.size(), options_.workers, [&](std::size_t i) {
+    auto outcome = run_one(open[i], texts.at(open[i]));
+    const std::lock_guard lock(mutex);
+    failed += outcome.usable() ? 0 : 1;
+    outcomes.emplace(open[i], std::move(outcome));
+    report();
+  });
+  std::vector<RunOutcome> result;
+  for (const auto& key : keys) result.push_back(outcomes.at(key));
+  return result;
+}
+
+double mean_wall_time_s(const std::filesystem::path& directory) {
+  if (!std::filesystem::is_directory(directory / "runs")) return 0.0;
+  double sum = 0.0;
+  int runs = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(directory / "runs"))
+    if (const auto outcome = read_outcome(entry.path() / "outcome.json");
+        outcome && outcome->usable()) {
+      sum += outcome->wall_time_s;
+      ++runs;
+    }
+  return runs > 0 ? sum / runs : 0.0;
+}
+
+}  // namespace repose::dem_adapter

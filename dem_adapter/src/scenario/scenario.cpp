@@ -1,0 +1,20 @@
+#include "repose/dem_adapter/scenario.hpp"
+
+#include "repose/dem_adapter/drawdown.hpp"
+
+namespace repose::dem_adapter {
+
+Scenario read_scenario(const TomlTable& table) {
+  // The closed set of templates; one line each.
+  table.choice("scenario", {"drawdown"});
+  return Drawdown::read(table);
+}
+
+Scenario read_scenario_file(const std::filesystem::path& path) {
+  const auto root = TomlTable::read_file(path);
+  auto scenario = read_scenario(root);
+  root.refuse_unknown_keys();
+  return scenario;
+}
+
+}  // namespace repose::dem_adapter

@@ -1,0 +1,125 @@
+// Campaigns: no run twice, none lost, failures recorded, one process at a time.
+#include "repose/dem_adapter/campaign.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "repose/base/error.hpp"
+#include "synthetic_scenario.hpp"
+#include "temporary_directory.hpp"
+
+namespace repose::dem_adapter {
+namespace {
+
+std::vector<scene::Case> cases(int n) {
+  std::vector<scene::Case> result;
+  for (int i = 0; i < n; ++i)
+    result.push_back(test::SyntheticScenario().make_case(
+        {{"a", 0.1 * i}, {"b", 0.5}, {"c", 0}, {"d", 0}, {"e", 0}}, static_cast<std::uint64_t>(i)));
+  return result;
+}
+
+TEST(Campaign, GivesTheSameOutcomesForAnyNumberOfWorkers) {
+  std::vector<std::vector<RunOutcome>> all;
+  for (const unsigned workers : {1U, 2U, 8U}) {
+    const test::TemporaryDirectory directory;
+    const Campaign campaign(directory.path(), test::SyntheticEngine(0.1),
+                            test::SyntheticEngine::measure, {.workers = workers});
+    all.push_back(campaign.run(cases(9)));
+  }
+  for (const auto& outcomes : all)
+    for (std::size_t i = 0; i < outcomes.size(); ++i) {
+      EXPECT_EQ(outcomes[i].key, all[0][i].key);
+      EXPECT_EQ(outcomes[i].measurement.kpis, all[0][i].measurement.kpis);
+    }
+}
+
+TEST(Campaign, RunsEachCaseOnceEvenInALaterProcess) {
+  const test::TemporaryDirectory directory;
+  const test::SyntheticEngine engine(0.1);
+  std::vector<RunOutcome> first;
+  {
+    const Campaign campaign(directory.path(), engine, test::SyntheticEngine::measure,
+                            {.workers = 2});
+    auto with_repeat = cases(5);
+    with_repeat.push_back(with_repeat.front());
+    first = campaign.run(with_repeat);
+    EXPECT_EQ(engine.runs(), 5);
+    EXPECT_EQ(first.front().measurement.kpis, first.back().measurement.kpis);
+  }
+  const Campaign again(directory.path(), engine, test::SyntheticEngine::measure, {.workers = 2});
+  const auto second = again.run(cases(7));
+  EXPECT_EQ(engine.runs(), 7);
+  for (std::size_t i = 0; i < 5; ++i)
+    EXPECT_EQ(second[i].measurement.kpis, first[i].measurement.kpis);
+}
+
+TEST(Campaign, DoesARunAgainThatDidNotFinish) {
+  const test::TemporaryDirectory directory;
+  const test::SyntheticEngine engine(0.1);
+  const Campaign campaign(directory.path(), engine, test::SyntheticEngine::measure, {.workers = 1});
+  const auto outcome = campaign.run(cases(1)).front();
+  const auto folder = directory.path() / "runs" / outcome.key;
+  std::filesystem::remove(folder / "outcome.json");  // as if killed just before the end
+  std::ofstream(folder / "output" / "half a file") << "x";
+  EXPECT_EQ(campaign.run(cases(1)).front().measurement.kpis, outcome.measurement.kpis);
+  EXPECT_EQ(engine.runs(), 2);
+  EXPECT_FALSE(std::filesystem::exists(folder / "output" / "half a file"));
+}
+
+TEST(Campaign, RecordsFailuresWithTheirReasonAndDoesNotRepeatThem) {
+  const test::TemporaryDirectory directory;
+  test::SyntheticEngine engine(0.0);
+  engine.failing_above(0.25);
+  const Campaign campaign(directory.path(), engine, test::SyntheticEngine::measure, {.workers = 2});
+  const auto outcomes = campaign.run(cases(5));
+  EXPECT_TRUE(outcomes[2].usable());
+  EXPECT_FALSE(outcomes[3].usable());
+  EXPECT_EQ(outcomes[4].measurement.failure, "it jammed");
+  EXPECT_EQ(campaign.run(cases(5))[4].measurement.failure, "it jammed");
+  EXPECT_EQ(engine.runs(), 5);
+}
+
+TEST(Campaign, RefusesASecondProcessInItsDirectory) {
+  const test::TemporaryDirectory directory;
+  const Campaign first(directory.path(), test::SyntheticEngine(0), test::SyntheticEngine::measure,
+                       {});
+  EXPECT_THROW(
+      Campaign(directory.path(), test::SyntheticEngine(0), test::SyntheticEngine::measure, {}),
+      StorageError);
+}
+
+TEST(Campaign, StopsWhenToldAndKeepsWhatIsDone) {
+  const test::TemporaryDirectory directory;
+  std::atomic<bool> cancelled{false};
+  const test::SyntheticEngine engine(0.1);
+  const Campaign campaign(directory.path(), engine, test::SyntheticEngine::measure,
+                          {.workers = 1, .cancelled = &cancelled});
+  EXPECT_THROW(campaign.run(cases(6),
+                            [&](double done, double, std::string_view) {
+                              if (done >= 3.0) cancelled = true;
+                            }),
+               Interrupted);
+  EXPECT_EQ(engine.runs(), 3);
+  cancelled = false;
+  campaign.run(cases(6));
+  EXPECT_EQ(engine.runs(), 6);
+}
+
+TEST(Campaign, NamesADamagedOutcome) {
+  const test::TemporaryDirectory directory;
+  const Campaign campaign(directory.path(), test::SyntheticEngine(0),
+                          test::SyntheticEngine::measure, {});
+  const auto key = campaign.run(cases(1)).front().key;
+  std::ofstream(directory.path() / "runs" / key / "outcome.json") << "{\"status\":";
+  try {
+    campaign.run(cases(1));
+    FAIL();
+  } catch (const StorageError& error) {
+    EXPECT_NE(std::string(error.what()).find("outcome.json' is damaged"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace repose::dem_adapter

@@ -1,0 +1,35 @@
+// What every subcommand of `repose` shares; each stands in a file of its own.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+
+#include "repose/base/progress.hpp"
+
+namespace repose::cli {
+
+/// Options of every subcommand.
+struct CommonOptions {
+  bool json = false;
+  bool quiet = false;
+  ProgressStyle progress_style() const {
+    return quiet ? ProgressStyle::quiet : ProgressStyle::automatic;
+  }
+};
+
+/// Adds --json and --quiet to a subcommand and returns it with its example in the footer.
+CLI::App* add_command(CLI::App& parent, const std::string& name, const std::string& description,
+                      const std::string& example, CommonOptions& common);
+
+/// The command line as typed, for provenance.
+const std::string& command_line();
+
+void add_calibrate(CLI::App& app);
+void add_design(CLI::App& app);
+void add_fit(CLI::App& app);
+void add_predict(CLI::App& app);
+void add_simulate(CLI::App& app);
+void add_table(CLI::App& app);
+
+}  // namespace repose::cli

@@ -1,0 +1,24 @@
+#include "stop_signal.hpp"
+
+#include <csignal>
+
+namespace repose::cli {
+namespace {
+
+std::atomic<bool> requested{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "needed inside a signal handler");
+
+void on_signal(int signal) {
+  requested = true;
+  std::signal(signal, SIG_DFL);
+}
+
+}  // namespace
+
+const std::atomic<bool>& stop_requested() {
+  std::signal(SIGINT, on_signal);
+  std::signal(SIGTERM, on_signal);
+  return requested;
+}
+
+}  // namespace repose::cli
