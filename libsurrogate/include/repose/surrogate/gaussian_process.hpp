@@ -49,8 +49,11 @@ struct GaussianProcessOptions {
   std::uint64_t seed = 1;
   unsigned threads =
       1;  ///< over starts; the result does not depend on it (0: one for each processor)
-  opt::Minimizer minimizer =
-      {};  ///< of the negative log posterior over log parameters, with gradient
+  /// Of the negative log posterior over log parameters, with gradient.
+  opt::Minimizer minimizer = opt::NloptMinimizer{{.algorithm = opt::Algorithm::slsqp,
+                                                  .relative_x_tolerance = 1e-7,
+                                                  .relative_f_tolerance = 1e-10,
+                                                  .max_evaluations = 500}};
 };
 
 enum class ParameterState { converged, at_lower_bound, at_upper_bound, inert };
@@ -104,7 +107,7 @@ class GaussianProcess {
  public:
   /// x: n x d in natural units, y: n values. Inputs are scaled by `declared`, the range of the
   /// parameters, not by the data. Rows with equal x are repeats. Bounds of the search: length
-  /// scales [0.02, 100] of the range, noise ratio [1e-10, 1e4]. A constant y gives amplitude 0:
+  /// scales [0.02, 1e5] of the range, noise ratio [1e-14, 1e4]. A constant y gives amplitude 0:
   /// that constant, without doubt. Throws InputError naming row and column on values that are not
   /// finite, on fewer different points than coefficients + 1, on bounds with lower >= upper, and
   /// without noise on repeats that differ.

@@ -1,0 +1,132 @@
+#include "factor.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "correlation.hpp"
+#include "repose/base/error.hpp"
+
+namespace repose::surrogate {
+namespace {
+
+constexpr Eigen::Index kBlock = 64;
+
+Eigen::Index degrees_of_freedom(const Dataset& data, const Factor& factor, Estimator estimator) {
+  return data.observations() - (estimator == Estimator::reml ? factor.beta.size() : 0);
+}
+
+/// y^T Q y, with the squares within repeats: N degrees of freedom less those of the trend.
+double sum_of_squares(const Dataset& data, const Factor& factor, double noise_ratio) {
+  const double within = noise_ratio > 0.0 ? data.within / noise_ratio : 0.0;
+  return factor.residual.squaredNorm() + within;
+}
+
+}  // namespace
+
+double Factor::log_det() const {
+  return 2.0 * l.diagonal().array().log().sum();
+}
+double Factor::log_det_trend() const {
+  return 2.0 * u.diagonal().array().abs().log().sum();
+}
+
+std::optional<Cholesky> factorise(const Matrix& lower) {
+  if (!lower.diagonal().allFinite()) return std::nullopt;
+  const double clear = 10.0 * std::numeric_limits<double>::epsilon() * lower.diagonal().maxCoeff();
+  Cholesky result;
+  for (int exponent = -15; exponent <= -6; ++exponent) {
+    result.jitter = exponent == -15 ? 0.0 : std::pow(10.0, exponent);
+    result.l = lower;
+    result.l.diagonal().array() += result.jitter;
+    const Eigen::LLT<Eigen::Ref<Matrix>> llt(result.l);
+    if (llt.info() != Eigen::Success) continue;
+    const double smallest = result.l.diagonal().minCoeff();
+    if (smallest * smallest >= clear) return result;
+  }
+  return std::nullopt;
+}
+
+Factor complete(const Dataset& data, Basis basis, Cholesky cholesky) {
+  Factor f;
+  f.l = std::move(cholesky.l);
+  f.jitter = cholesky.jitter;
+  const auto l = f.l.triangularView<Eigen::Lower>();
+  const Vector wy = l.solve(data.y);
+  const Matrix wh = l.solve(basis_matrix(basis, data.x));
+  const Eigen::Index q = wh.cols();
+  f.u.resize(q, q);
+  f.beta.resize(q);
+  f.q1.resize(data.points(), q);
+  f.residual = wy;
+  if (q > 0) {
+    const Eigen::HouseholderQR<Matrix> qr(wh);
+    f.q1 = qr.householderQ() * Matrix::Identity(data.points(), q);
+    f.u = qr.matrixQR().topRows(q).triangularView<Eigen::Upper>();
+    const Vector projected = f.q1.transpose() * wy;
+    f.beta = f.u.triangularView<Eigen::Upper>().solve(projected);
+    f.residual -= f.q1 * projected;
+  }
+  f.alpha = f.l.transpose().triangularView<Eigen::Upper>().solve(f.residual);
+  return f;
+}
+
+Factor make_factor(const Dataset& data, const Covariance& covariance, Basis basis) {
+  Matrix lower = Matrix::Zero(data.points(), data.points());
+  fill_correlation(covariance.kernel, data.x, covariance.length_scales, lower, nullptr);
+  lower.diagonal().array() += covariance.noise_ratio / data.count.array();
+  std::optional<Cholesky> cholesky = factorise(lower);
+  if (!cholesky)
+    throw NumericalError(
+        "the covariance matrix of the training points cannot be factored even with a jitter of "
+        "1e-6: "
+        "remove points that almost coincide, shorten the length scales or estimate noise");
+  return complete(data, basis, std::move(*cholesky));
+}
+
+Matrix lower_inverse(const Matrix& l) {
+  const Eigen::Index n = l.rows();
+  Matrix p = Matrix::Zero(n, n);
+  for (Eigen::Index b = 0; b < n; b += kBlock) {
+    const Eigen::Index s = std::min(kBlock, n - b);
+    const auto diagonal = l.block(b, b, s, s).triangularView<Eigen::Lower>();
+    p.block(b, b, s, s) = diagonal.solve(Matrix::Identity(s, s));
+    if (b == 0) continue;
+    const Matrix left = l.block(b, 0, s, b) * p.topLeftCorner(b, b).triangularView<Eigen::Lower>();
+    p.block(b, 0, s, b) = -diagonal.solve(left);
+  }
+  return p;
+}
+
+Matrix inverse_from(const Matrix& l_inverse) {
+  const Eigen::Index n = l_inverse.rows();
+  Matrix c(n, n);
+  for (Eigen::Index b = 0; b < n; b += kBlock) {
+    const Eigen::Index s = std::min(kBlock, n - b);
+    c.block(b, 0, s, b + s).noalias() =
+        l_inverse.block(b, b, n - b, s).transpose() * l_inverse.block(b, 0, n - b, b + s);
+  }
+  return c;
+}
+
+double best_amplitude(const Dataset& data, const Factor& factor, double noise_ratio,
+                      Estimator estimator) {
+  return sum_of_squares(data, factor, noise_ratio) /
+         static_cast<double>(degrees_of_freedom(data, factor, estimator));
+}
+
+double negative_log_likelihood(const Dataset& data, const Factor& factor, double noise_ratio,
+                               double amplitude, Estimator estimator) {
+  const auto freedom = static_cast<double>(degrees_of_freedom(data, factor, estimator));
+  const auto repeats = static_cast<double>(data.observations() - data.points());
+  double twice = freedom * std::log(2.0 * std::numbers::pi * amplitude) +
+                 sum_of_squares(data, factor, noise_ratio) / amplitude + factor.log_det();
+  if (noise_ratio > 0.0)  // without noise, repeats say nothing new
+    twice += repeats * std::log(noise_ratio) + data.count.array().log().sum();
+  if (estimator == Estimator::reml) twice += factor.log_det_trend();
+  return 0.5 * twice;
+}
+
+}  // namespace repose::surrogate
