@@ -22,7 +22,8 @@ Matrix scrambled_uniforms(Eigen::Index draws, Eigen::Index dimension, std::uint6
   Matrix points(draws, dimension);
   for (Eigen::Index i = 0; i < draws; ++i)
     for (Eigen::Index k = 0; k < dimension; ++k) {
-      const std::uint64_t bits = sequence() ^ shift[static_cast<std::size_t>(k)];
+      const std::uint64_t sobol = i == 0 ? 0 : sequence();  // Boost leaves out the origin
+      const std::uint64_t bits = sobol ^ shift[static_cast<std::size_t>(k)];
       points(i, k) = (static_cast<double>(bits >> 12) + 0.5) * 0x1p-52;
     }
   return points;
