@@ -10,7 +10,7 @@ std::size_t index(std::int32_t i) {
   return static_cast<std::size_t>(i);
 }
 
-template <bool kPeriodic>
+template <int kMask>
 void find_touching_in(const Box& box, const Spheres& spheres, NeighborList& pairs,
                       ContactPool& pool, std::vector<TouchingPair>& touching) {
   const Motion* const motion = spheres.motion.data();
@@ -25,8 +25,7 @@ void find_touching_in(const Box& box, const Spheres& spheres, NeighborList& pair
     for (std::int32_t p = first[i]; p < last; ++p) {
       Neighbor& neighbor = entries[p];
       const Motion& b = motion[neighbor.other];
-      Vec3 offset = b.x - a.x;
-      if constexpr (kPeriodic) offset = box.nearest_image(offset);
+      const Vec3 offset = box.nearest_image_in<kMask>(b.x - a.x);
       const double reach = a.radius + b.radius;
       const double distance2 = offset.squaredNorm();
       if (distance2 < reach * reach) {
@@ -47,10 +46,8 @@ void find_touching_in(const Box& box, const Spheres& spheres, NeighborList& pair
 
 void find_touching(const Box& box, const Spheres& spheres, NeighborList& pairs, ContactPool& pool,
                    std::vector<TouchingPair>& touching) {
-  if (box.any_periodic())
-    find_touching_in<true>(box, spheres, pairs, pool, touching);
-  else
-    find_touching_in<false>(box, spheres, pairs, pool, touching);
+  with_periodic_mask(
+      box, [&]<int kMask>() { find_touching_in<kMask>(box, spheres, pairs, pool, touching); });
 }
 
 void add_pair_forces(const LawTable& laws, double dt, const std::vector<TouchingPair>& touching,
@@ -64,7 +61,7 @@ void add_pair_forces(const LawTable& laws, double dt, const std::vector<Touching
     const Vec3& wb = spheres.spin[j].w;
     const double distance = std::sqrt(pair.distance2);
     ContactKinematics now;
-    now.normal = pair.offset / distance;
+    now.normal = pair.offset * (1.0 / distance);
     now.overlap = a.radius + b.radius - distance;
     deepest.see(now.overlap, std::min(a.radius, b.radius), pair.i, pair.j, false);
     const double arm_a = a.radius - 0.5 * now.overlap;

@@ -24,11 +24,18 @@ struct Box {
     }
   }
 
-  bool any_periodic() const { return periodic[0] || periodic[1] || periodic[2]; }
+  /// Bit k is set if direction k is periodic.
+  int periodic_mask() const {
+    return (periodic[0] ? 1 : 0) | (periodic[1] ? 2 : 0) | (periodic[2] ? 4 : 0);
+  }
 
   /// The shortest of all images of a difference of two positions in the box.
-  Vec3 nearest_image(Vec3 d) const {
+  Vec3 nearest_image(const Vec3& d) const { return nearest_image_in<7>(d); }
+  /// The same with the periodic directions known when compiled; kMask is periodic_mask().
+  template <int kMask>
+  Vec3 nearest_image_in(Vec3 d) const {
     for (int k = 0; k < 3; ++k) {
+      if ((kMask & (1 << k)) == 0) continue;
       if (d[k] > half[k]) d[k] -= length[k];
       if (d[k] < -half[k]) d[k] += length[k];
     }
@@ -41,5 +48,22 @@ struct Box {
            x.z() >= lower.z() && x.z() < upper.z();
   }
 };
+
+/// Calls function.operator()<mask>() with the mask of the box, so that inner loops need not ask.
+template <class Function>
+decltype(auto) with_periodic_mask(const Box& box, Function&& function) {
+  switch (box.periodic_mask()) {
+    case 0:
+      return function.template operator()<0>();
+    case 1:
+      return function.template operator()<1>();
+    case 2:
+      return function.template operator()<2>();
+    case 4:
+      return function.template operator()<4>();
+    default:
+      return function.template operator()<7>();
+  }
+}
 
 }  // namespace repose::dem

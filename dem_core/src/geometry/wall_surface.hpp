@@ -49,7 +49,7 @@ inline ClosestPoint closest_point(const WallSurface& wall, const Vec3& x) {
 /// Unit vector from the sphere to its closest point; for a centre that lies in the wall, its
 /// normal.
 inline Vec3 direction_to(const WallSurface& wall, const ClosestPoint& point) {
-  if (point.distance > 0.0) return point.offset / point.distance;
+  if (point.distance > 0.0) return point.offset * (1.0 / point.distance);
   return -wall.normal;
 }
 

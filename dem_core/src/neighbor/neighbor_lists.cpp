@@ -51,6 +51,7 @@ double largest_radius(const Spheres& spheres) {
 }
 
 /// Pairs closer than R_i + R_j + skin, by ascending (i, j).
+template <int kMask>
 NeighborList find_pairs(const Box& box, double skin, const CellGrid& grid,
                         const std::vector<Motion>& motion, std::size_t expected) {
   NeighborList list;
@@ -60,7 +61,7 @@ NeighborList find_pairs(const Box& box, double skin, const CellGrid& grid,
   const auto add_range = [&](const Motion& a, std::int32_t first, std::int32_t last) {
     for (std::int32_t j = first; j < last; ++j) {
       const Motion& b = motion[index(j)];
-      const Vec3 d = box.nearest_image(b.x - a.x);
+      const Vec3 d = box.nearest_image_in<kMask>(b.x - a.x);
       const double reach = a.radius + b.radius + skin;
       if (d.squaredNorm() < reach * reach) list.entries.push_back({j, kNoContact});
     }
@@ -151,7 +152,9 @@ void rebuild(const Box& box, double skin, const std::vector<WallSurface>& walls,
   grid.set_cells(sorted_keys);
 
   NeighborLists built;
-  built.pairs = find_pairs(box, skin, grid, spheres.motion, lists.pairs.entries.size() + 64);
+  built.pairs = with_periodic_mask(box, [&]<int kMask>() {
+    return find_pairs<kMask>(box, skin, grid, spheres.motion, lists.pairs.entries.size() + 64);
+  });
   built.walls = find_walls(walls, skin, spheres.motion, lists.walls.entries.size() + 64);
   std::vector<std::int32_t> new_index(order.size());
   for (std::size_t i = 0; i < order.size(); ++i)

@@ -62,7 +62,7 @@ struct ContactForce {
 namespace detail {
 
 /// Projects `v` into the plane normal to `n` and restores its length.
-inline void turn_into_plane(Vec3& v, const Vec3& n) {
+[[gnu::always_inline]] inline void turn_into_plane(Vec3& v, const Vec3& n) {
   const double before = v.squaredNorm();
   if (before == 0.0) return;
   v -= v.dot(n) * n;
@@ -72,9 +72,10 @@ inline void turn_into_plane(Vec3& v, const Vec3& n) {
 
 /// Rolling friction of type C [Ai2011, model C]: a spring-dashpot on the relative rolling, with
 /// k_r = 2.25 k_n (mu_r R*)^2; limited to mu_r R* |F_n|, without damping once it is mobilised.
-inline Vec3 rolling_torque(const PairLaw& law, const ContactBodies& bodies, double a,
-                           double normal_force, const ContactKinematics& now, double dt,
-                           Vec3& torque) {
+[[gnu::always_inline]] inline Vec3 rolling_torque(const PairLaw& law, const ContactBodies& bodies,
+                                                  double a, double normal_force,
+                                                  const ContactKinematics& now, double dt,
+                                                  Vec3& torque) {
   const Vec3 rolling = now.spin - now.spin.dot(now.normal) * now.normal;
   turn_into_plane(torque, now.normal);
   torque += (law.rolling_k * a * bodies.r_eff * bodies.r_eff * dt) * rolling;
@@ -97,9 +98,10 @@ inline Vec3 rolling_torque(const PairLaw& law, const ContactBodies& bodies, doub
 ///   xi += v_t dt after xi was turned into the new tangent plane with its length kept
 ///   F_t = -S_t xi - 2 sqrt(5/6) beta sqrt(S_t m*) v_t     while S_t |xi| <= mu |F_n|, else
 ///   F_t = -mu |F_n| xi/|xi|, and xi is shortened to |F_t|/S_t.
-inline ContactForce hertz_mindlin(const PairLaw& law, const ContactBodies& bodies,
-                                  const ContactKinematics& now, double dt,
-                                  ContactHistory& history) {
+[[gnu::always_inline]] inline ContactForce hertz_mindlin(const PairLaw& law,
+                                                         const ContactBodies& bodies,
+                                                         const ContactKinematics& now, double dt,
+                                                         ContactHistory& history) {
   const Vec3& n = now.normal;
   const double a = std::sqrt(bodies.r_eff * now.overlap);
   const double damping_scale = std::sqrt(a * bodies.m_eff);
