@@ -1,4 +1,15 @@
 // A fitted model on disk; a loaded model predicts the same bits.
+//
+// One HDF5 file of tables (see repose/table/io.hpp), readable without repose:
+//   /            attributes: repose_model "gaussian-process", model_version 1, response, kernel,
+//   noise, basis,
+//                estimator; shift and scale of y = shift + scale * standardised; amplitude (process
+//                variance / scale^2), noise_ratio, jitter, within; how the fit went
+//   /inputs      a row an input: name, lower, upper (declared range), length_scale (in units of the
+//   range) /points      a row a different point: u1 ... ud in units of the range, y (mean,
+//   standardised), count /rows        a row an observation: point (index, from 0), y (standardised)
+//   /factor      l: lower Cholesky factor of R + noise_ratio diag(1/count) + jitter I, packed by
+//   columns /parameters  what the fit searched for, where it did
 #pragma once
 
 #include <filesystem>
@@ -16,12 +27,12 @@ struct NamedModel {
   std::string response;
 };
 
-/// Writes one HDF5 file, atomically: /model (attributes: format, version, kernel, options, fit),
-/// /data (training columns), /parameters, /factor. Throws InputError where names do not match the
-/// model's dimension, StorageError.
+/// Writes one file, atomically. Throws InputError where names do not match the model's dimension,
+/// StorageError.
 void save_model(const std::filesystem::path& path, const NamedModel& model);
 
-/// Throws StorageError where the file is missing, damaged or of a newer format, naming it.
+/// Throws StorageError where the file is missing, damaged, no model or of a newer version, naming
+/// it.
 NamedModel load_model(const std::filesystem::path& path);
 
 }  // namespace repose::surrogate
