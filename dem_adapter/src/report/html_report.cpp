@@ -109,7 +109,8 @@ std::string screening_figure(const Study& study, const Calibration& result) {
   }
   const int height = 140 + 34 * static_cast<int>(screening.factors.size());
   return Figure("Main effects", {.label = ""}, {.label = ""}, {.width = 640, .height = height})
-      .heat_map(columns, screening.factors, effects, "effect of half the range (% of the target)",
+      .heat_map(columns, screening.factors, effects,
+                {.label = "effect of half the range", .unit = "% of the target"},
                 plot::ColorScale::diverging)
       .svg();
 }
@@ -232,7 +233,7 @@ std::string error_map(const Study& study, const Calibration& result) {
   const double best_x = result.values.at(px.name), best_y = result.values.at(py.name);
   return Figure("Expected weighted error", {.label = px.name, .unit = px.unit, .scale = px.scale},
                 {.label = py.name, .unit = py.unit, .scale = py.scale}, kFigure)
-      .heat_map(edges(px), edges(py), error, "%")
+      .heat_map(edges(px), edges(py), error, {.label = "weighted error", .unit = "%"})
       .scatter(std::span(&best_x, 1), std::span(&best_y, 1), "calibrated")
       .svg();
 }
