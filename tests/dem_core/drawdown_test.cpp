@@ -14,7 +14,6 @@ TEST(QuickDrawdown, DischargesWhatAnotherEngineDischarges) {
   const scene::Case rig = scene::read_case(REPOSE_TEST_DATA "/quick_drawdown.toml");
   run_case(rig, folder);
   const scene::Run run = scene::read_run(folder);
-  std::filesystem::remove_all(folder);
 
   EXPECT_EQ(run.summary().particles, 1230);
   EXPECT_NEAR(run.summary().mass_kg, 66.0 * 0.036, 4 * 0.5 * 1.7e-3);
@@ -34,6 +33,7 @@ TEST(QuickDrawdown, DischargesWhatAnotherEngineDischarges) {
   EXPECT_LT(run.summary().largest_overlap_ratio, 0.32);
   const scene::Snapshot filled = run.end_of("fill");
   for (const scene::Vec3& x : filled.position) EXPECT_GT(x.z(), 0.0);
+  std::filesystem::remove_all(folder);
 }
 
 }  // namespace
