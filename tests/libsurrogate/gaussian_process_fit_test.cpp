@@ -1,9 +1,11 @@
 // Fits: best known likelihoods, accuracy, invariances, degenerate data.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "gp_data.hpp"
+#include "repose/opt/composite.hpp"
 #include "repose/surrogate/gaussian_process.hpp"
 
 namespace repose::surrogate {
@@ -70,6 +72,58 @@ TEST(GaussianProcessFit, PredictsBraninFromFiftyPointsWithin018) {
 
 TEST(GaussianProcessFit, LosesLittleByLookingForNoiseThatIsNotThere) {
   EXPECT_LE(branin_rmse({}), 1.25 * branin_rmse({.noise = Noise::none}));
+}
+
+/// Friedman 1991; inputs beyond the fifth have no effect.
+double friedman(const Vector& x) {
+  return 10.0 * std::sin(std::numbers::pi * x[0] * x[1]) + 20.0 * std::pow(x[2] - 0.5, 2) +
+         10.0 * x[3] + 5.0 * x[4];
+}
+
+struct Accuracy {
+  double median_rmse;
+  double median_coverage95;  ///< of the function
+};
+
+/// Over twelve quasi-random designs.
+Accuracy friedman_accuracy(Eigen::Index n, Eigen::Index d, double noise,
+                           const GaussianProcessOptions& options) {
+  const Matrix probe = uniform_points(800, d, 99);
+  std::vector<double> rmse;
+  std::vector<double> coverage;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const Matrix x = opt::scrambled_uniforms(n, d, seed);
+    Vector y = at_rows(x, friedman);
+    RandomStream random(seed);
+    for (double& value : y) value += noise * random.normal();
+    const auto predicted =
+        GaussianProcess::fit(x, y, opt::unit_cube(d), options).predict_rows(probe);
+    double squares = 0.0;
+    double covered = 0.0;
+    for (std::size_t i = 0; i < predicted.size(); ++i) {
+      const double error = predicted[i].mean - friedman(probe.row(static_cast<Eigen::Index>(i)));
+      squares += error * error;
+      if (std::abs(error) <= 1.96 * predicted[i].standard_deviation()) covered += 1.0;
+    }
+    rmse.push_back(std::sqrt(squares / 800.0));
+    coverage.push_back(covered / 800.0);
+  }
+  std::sort(rmse.begin(), rmse.end());
+  std::sort(coverage.begin(), coverage.end());
+  return {0.5 * (rmse[5] + rmse[6]), 0.5 * (coverage[5] + coverage[6])};
+}
+
+// scikit-learn 1.2.1 reaches 0.263 on such designs, RobustGaSP 0.28 on its own [Gu2019, section 4]
+TEST(GaussianProcessFit, PredictsFriedmansFunctionFromFortyPoints) {
+  EXPECT_LE(friedman_accuracy(40, 5, 0.0, {.noise = Noise::none}).median_rmse, 0.24);
+}
+
+// better than one observation (sigma = 1) with five active and ten inert inputs, and knows how good
+TEST(GaussianProcessFit, FindsFiveActiveInputsAmongFifteenInNoise) {
+  const Accuracy accuracy = friedman_accuracy(60, 15, 1.0, {});
+  EXPECT_LE(accuracy.median_rmse, 1.0);
+  EXPECT_GE(accuracy.median_coverage95, 0.90);
+  EXPECT_LE(accuracy.median_coverage95, 0.98);
 }
 
 struct Noisy {

@@ -50,10 +50,8 @@ struct GaussianProcessOptions {
   unsigned threads =
       1;  ///< over starts; the result does not depend on it (0: one for each processor)
   /// Of the negative log posterior over log parameters, with gradient.
-  opt::Minimizer minimizer = opt::NloptMinimizer{{.algorithm = opt::Algorithm::slsqp,
-                                                  .relative_x_tolerance = 1e-7,
-                                                  .relative_f_tolerance = 1e-10,
-                                                  .max_evaluations = 500}};
+  opt::Minimizer minimizer = opt::NloptMinimizer{
+      {.relative_x_tolerance = 1e-7, .relative_f_tolerance = 1e-10, .max_evaluations = 500}};
 };
 
 enum class ParameterState { converged, at_lower_bound, at_upper_bound, inert };
