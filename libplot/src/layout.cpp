@@ -242,7 +242,7 @@ Layout lay_out(const FigureContent& content) {
     layout.title_baseline = kMargin + kTitleSize - 2.0;
     top = layout.title_baseline + 9.0;
   }
-  layout.plot.top = place_legend(content, top, layout) + (content.legend.empty() ? 2.0 : 10.0);
+  layout.plot.top = place_legend(content, top, layout) + (content.legend.empty() ? 7.0 : 10.0);
   const double x_title_height = content.x.label.empty() ? 0.0 : kLabelSize + 6.0;
   const double below_labels = x_title_height + kMargin;
   const double expected_height =
