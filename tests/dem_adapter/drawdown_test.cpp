@@ -151,7 +151,7 @@ class SyntheticRun {
 };
 
 TEST(DrawdownKpis, OfKnownSlopesAreTheirAngles) {
-  for (const auto [shear, repose] : {std::pair{42.5, 29.5}, std::pair{25.0, 20.0}}) {
+  for (const auto& [shear, repose] : {std::pair{42.5, 29.5}, std::pair{25.0, 20.0}}) {
     const test::TemporaryDirectory directory;
     const auto rig = Drawdown::preset("quick");
     const SyntheticRun synthetic(directory / "run", rig, shear, repose);

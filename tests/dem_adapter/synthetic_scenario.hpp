@@ -49,14 +49,14 @@ struct SyntheticScenario {
   dem_adapter::Measurement measure(const scene::Run&) const { return {}; }
 };
 
-/// Writes the KPIs of SyntheticScenario with normal noise of `noise` times (1, 1, 0.01); `run_one`
-/// in the file `failures` fails. Counts its runs.
+/// Writes the KPIs of SyntheticScenario with normal noise of `noise` times (1, 1, 0.01).
+/// Counts its runs.
 class SyntheticEngine {
  public:
   explicit SyntheticEngine(double noise) : noise_(noise) {}
   std::string name() const { return "synthetic 1"; }
   dem_adapter::EngineExit run(const dem_adapter::EngineJob& job) const {
-    ++*runs_;
+    if (++*runs_ % stop_every_ == 0 && stop_flag_ != nullptr) *stop_flag_ = true;
     const auto c = scene::read_case(job.directory / "case.toml");
     const double a = c.pairs.front().mu_s, b = c.pairs.front().mu_r;
     if (fails_above_ < a)
@@ -84,7 +84,16 @@ class SyntheticEngine {
     return *this;
   }
 
+  /// Raises the flag at every n-th run, as a user's Ctrl-C would.
+  SyntheticEngine& stopping_every(int n, std::atomic<bool>* flag) {
+    stop_every_ = n;
+    stop_flag_ = flag;
+    return *this;
+  }
+
  private:
+  int stop_every_ = 1000000;
+  std::atomic<bool>* stop_flag_ = nullptr;
   double noise_;
   double fails_above_ = 1e9;
   std::shared_ptr<std::atomic<int>> runs_ = std::make_shared<std::atomic<int>>(0);

@@ -162,6 +162,20 @@ void read_plans(const TomlTable& root, Study& study) {
   }
 }
 
+/// A study whose simulations cannot be built is refused before any of them runs.
+void check_corners(const Study& study, const std::filesystem::path& path) {
+  const auto d = static_cast<Eigen::Index>(study.space.dimension());
+  for (const auto& [name, unit] :
+       {std::pair{"lowest", 0.0}, std::pair{"middle", 0.5}, std::pair{"highest", 1.0}})
+    try {
+      const Vector natural = study.space.from_unit(Vector::Constant(d, unit));
+      scene::validate(study.scenario.make_case(study.space.complete(natural), 0));
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: with all parameters at their {} values: {}", path.string(),
+                                   name, error.what()));
+    }
+}
+
 }  // namespace
 
 std::vector<opt::Target> Study::plain_targets() const {
@@ -179,12 +193,7 @@ Study read_study(const std::filesystem::path& path) {
   study.targets = read_targets(root, study.scenario.kpi_names());
   read_plans(root, study);
   root.refuse_unknown_keys();
-  // A study whose simulations cannot be built is refused before any of them runs: its corners are
-  // tried.
-  const auto d = static_cast<Eigen::Index>(study.space.dimension());
-  for (const double corner : {0.0, 0.5, 1.0})
-    scene::validate(study.scenario.make_case(
-        study.space.complete(study.space.from_unit(Vector::Constant(d, corner))), 0));
+  check_corners(study, path);
   return study;
 }
 
