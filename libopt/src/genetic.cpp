@@ -83,7 +83,7 @@ Eigen::Index tournament(const Population& p, int size, RandomStream& random) {
   return static_cast<Eigen::Index>(winner);
 }
 
-/// Simulated binary crossover of one coordinate [Deb1995, Eq. 9]: children keep the parents' mean.
+/// Simulated binary crossover of one coordinate [Deb1995]: children keep the parents' mean.
 void cross(double& a, double& b, double index, RandomStream& random) {
   const double u = random.uniform();
   const double exponent = 1.0 / (index + 1.0);
@@ -95,7 +95,7 @@ void cross(double& a, double& b, double index, RandomStream& random) {
   b = std::clamp(mean - half, 0.0, 1.0);
 }
 
-/// Polynomial mutation of a coordinate in [0, 1] that cannot leave it [Deb2014, Eq. 3].
+/// Polynomial mutation of a coordinate in [0, 1] that cannot leave it [Deb2002; Deb2014].
 double mutated(double x, double index, RandomStream& random) {
   const double u = random.uniform();
   const double exponent = 1.0 / (index + 1.0);

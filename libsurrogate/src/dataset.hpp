@@ -10,7 +10,7 @@ namespace repose::surrogate {
 
 /// n different points in lexicographic order (appended ones last), so that a fit does not depend on
 /// the order of the rows. Repeats enter the exact likelihood by count, mean and squares
-/// [Binois2018, Lemma 3.1].
+/// [Binois2018].
 struct Dataset {
   opt::Bounds declared;
   double shift = 0.0;  ///< y = shift + scale * standardised

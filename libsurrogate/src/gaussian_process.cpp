@@ -29,7 +29,7 @@ constexpr double kScaleJitter = 0.35;
 constexpr double kNoiseJitter = 1.5;
 /// A parameter this close to a bound, in logarithm, sits on it.
 constexpr double kAtBound = 1e-3;
-constexpr double kInertBelow = 0.1;  // [Gu2019, section 3.3]
+constexpr double kInertBelow = 0.1;  // [Gu2019]
 constexpr Eigen::Index kPredictionBlock = 128;
 
 opt::Bounds search_bounds(Eigen::Index dimension, Noise noise) {

@@ -15,7 +15,7 @@ struct Omitted {
 };
 
 /// e_i = (Qy)_i / Q_ii and variance of the mean of the point's observations sigma^2 / Q_ii
-/// [Ginsbourger2021, Eq. 10; Dubrule1983]. Points stand for all their repeats.
+/// [Dubrule1983; Ginsbourger2024]. Points stand for all their repeats.
 Omitted omit_each(const Dataset& data, const Covariance& covariance, const Factor& f,
                   double amplitude) {
   const Matrix w = lower_inverse(f.l);

@@ -95,7 +95,7 @@ void NegativeLogPosterior::add_likelihood_gradient(const Covariance& c, const Fa
 }
 
 /// -log pi, log pi = a log t - b t, t = sum_k C_k / l_k + noise ratio, a = 0.2, b = n^(-1/d) (a +
-/// d) [Gu2019, Eq. 10], in its own parameters: no Jacobian of the logarithms.
+/// d) [Gu2019], in its own parameters: no Jacobian of the logarithms.
 double NegativeLogPosterior::prior(const Covariance& c, Vector* gradient) const {
   const Eigen::Index d = data_.dimension();
   const auto dimension = static_cast<double>(d);

@@ -113,7 +113,7 @@ Accuracy friedman_accuracy(Eigen::Index n, Eigen::Index d, double noise,
   return {0.5 * (rmse[5] + rmse[6]), 0.5 * (coverage[5] + coverage[6])};
 }
 
-// scikit-learn 1.2.1 reaches 0.263 on such designs, RobustGaSP 0.28 on its own [Gu2019, section 4]
+// scikit-learn 1.2.1 reaches 0.263 on such designs, RobustGaSP 0.28 on its own [Gu2019]
 TEST(GaussianProcessFit, PredictsFriedmansFunctionFromFortyPoints) {
   EXPECT_LE(friedman_accuracy(40, 5, 0.0, {.noise = Noise::none}).median_rmse, 0.24);
 }

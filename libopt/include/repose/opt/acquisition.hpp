@@ -10,7 +10,7 @@ namespace repose::opt {
 /// error below 2e-13 down to where the result underflows (z = -38).
 double expected_improvement(const Gaussian& prediction, double best);
 
-/// Its natural logarithm, finite wherever sigma > 0 (z down to -1e150) [Ament2023, section 4.1];
+/// Its natural logarithm, finite wherever sigma > 0 (z down to -1e150) [Ament2023];
 /// -infinity where the variance is 0 and mu >= best.
 double log_expected_improvement(const Gaussian& prediction, double best);
 

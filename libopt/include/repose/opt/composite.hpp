@@ -41,7 +41,7 @@ Matrix scrambled_normals(Eigen::Index draws, Eigen::Index dimension, std::uint64
 Matrix scrambled_uniforms(Eigen::Index draws, Eigen::Index dimension, std::uint64_t seed);
 
 /// E max(0, best - g(h)) over independent h_j ~ kpis[j], the mean over the rows z of `normals` (m x
-/// k) with h_j = mu_j + sigma_j z_j [Astudillo2019, section 3.2]. Fixed draws make it a smooth
+/// k) with h_j = mu_j + sigma_j z_j [Astudillo2019]. Fixed draws make it a smooth
 /// function of x.
 double composite_expected_improvement(std::span<const Gaussian> kpis,
                                       std::span<const Target> targets, double best,
@@ -49,7 +49,7 @@ double composite_expected_improvement(std::span<const Gaussian> kpis,
 
 /// The logarithm of a smoothed form that is never -infinity, so that points without any improving
 /// draw are still ordered: max(0, u) is replaced by tau (softplus(u/tau) + 0.1/(1 + (u/tau)^2))
-/// with tau = 1e-6 max(|best|, 1e-12) [Ament2023, appendix A.4].
+/// with tau = 1e-6 max(|best|, 1e-12) [Ament2023].
 double log_composite_expected_improvement(std::span<const Gaussian> kpis,
                                           std::span<const Target> targets, double best,
                                           const Matrix& normals);

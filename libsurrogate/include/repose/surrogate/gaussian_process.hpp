@@ -66,7 +66,7 @@ struct FittedParameter {
   double upper = 0.0;
   ParameterState state = ParameterState::converged;
   /// Length scales: P_k = d (C_k/l_k) / sum_i (C_i/l_i), C_k the mean distance in input k; inert
-  /// below 0.1 [Gu2019, section 3.3]. Else 1.
+  /// below 0.1 [Gu2019]. Else 1.
   double relevance = 1.0;
 };
 
