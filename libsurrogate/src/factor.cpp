@@ -55,13 +55,13 @@ Factor complete(const Dataset& data, Basis basis, Cholesky cholesky) {
   f.jitter = cholesky.jitter;
   const auto l = f.l.triangularView<Eigen::Lower>();
   const Vector wy = l.solve(data.y);
-  const Matrix wh = l.solve(basis_matrix(basis, data.x));
-  const Eigen::Index q = wh.cols();
+  const Eigen::Index q = basis_size(basis);
   f.u.resize(q, q);
   f.beta.resize(q);
   f.q1.resize(data.points(), q);
   f.residual = wy;
   if (q > 0) {
+    const Matrix wh = l.solve(basis_matrix(basis, data.x));
     const Eigen::HouseholderQR<Matrix> qr(wh);
     f.q1 = qr.householderQ() * Matrix::Identity(data.points(), q);
     f.u = qr.matrixQR().topRows(q).triangularView<Eigen::Upper>();
