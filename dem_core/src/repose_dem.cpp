@@ -145,6 +145,7 @@ int main(int argc, char** argv) {
     return 0;
   } catch (const repose::Error& error) {
     fmt::print(stderr, "repose-dem: {}\n", error.what());
+    if (signal_seen != 0) return 128 + static_cast<int>(signal_seen);  // as a shell reports it
     return error.exit_code();
   } catch (const std::exception& error) {
     fmt::print(stderr, "repose-dem: internal error: {}\n", error.what());

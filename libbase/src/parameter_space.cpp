@@ -132,25 +132,4 @@ ParameterValues ParameterSpace::complete(const Vector& natural) const {
   return values;
 }
 
-ParameterSpace ParameterSpace::restricted_to(const std::vector<std::string>& names,
-                                             const ParameterValues& values) const {
-  std::vector<Parameter> free;
-  for (const auto& name : names) {
-    const auto it = std::find_if(free_.begin(), free_.end(),
-                                 [&](const Parameter& p) { return p.name == name; });
-    if (it == free_.end())
-      throw InputError(
-          fmt::format("{} is not a free parameter; free are {}", name, listed(this->names())));
-    free.push_back(*it);
-  }
-  ParameterValues fixed = fixed_;
-  for (const auto& p : free_) {
-    if (std::find(names.begin(), names.end(), p.name) != names.end()) continue;
-    const auto it = values.find(p.name);
-    REPOSE_ASSERT(it != values.end(), p.name + " has no value to be fixed at");
-    fixed[p.name] = it->second;
-  }
-  return ParameterSpace(std::move(free), std::move(fixed), ties_);
-}
-
 }  // namespace repose

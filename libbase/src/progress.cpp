@@ -1,6 +1,7 @@
 #include "repose/base/progress.hpp"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -26,6 +27,14 @@ std::string cut_to(std::string text, std::size_t columns) {
     if (!text.empty()) text.pop_back();
   }
   return text;
+}
+
+/// A line as wide as the terminal would wrap, and could not be redrawn.
+int columns_of_terminal(std::FILE* out) {
+  constexpr int kWidest = 100;
+  struct winsize size {};
+  if (::ioctl(::fileno(out), TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return kWidest;
+  return std::min(kWidest, size.ws_col - 1);
 }
 
 }  // namespace
@@ -77,7 +86,8 @@ void ProgressDisplay::update(double done, double total, std::string_view note) {
     return;
   if (first && style_ == ProgressStyle::lines && !complete) return;  // nothing to say yet
   const double elapsed = std::chrono::duration<double>(now - start_).count();
-  auto line = progress_line(label_, done, total, elapsed, first_done_, note);
+  auto line =
+      progress_line(label_, done, total, elapsed, first_done_, note, columns_of_terminal(out_));
   if (line == last_line_) return;
   if (style_ == ProgressStyle::terminal) {
     std::fprintf(out_, "\r%s\033[K", line.c_str());

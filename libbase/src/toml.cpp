@@ -64,7 +64,6 @@ struct TomlTable::Node {
     return node;
   }
   void refuse_unknown_keys() const {
-    std::vector<std::string> unread;
     for (const auto& [key, value] : *table)
       if (known.count(key.str()) == 0) {
         std::vector<std::string> candidates(known.begin(), known.end());
@@ -219,10 +218,6 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
         TomlTable(node_->open(*table, fmt::format("{}[{}]", node_->name_of(key), i + 1))));
   }
   return result;
-}
-
-bool TomlTable::is_number(std::string_view key) const {
-  return has(key) && node_->table->get(key)->is_number();
 }
 
 bool TomlTable::is_table(std::string_view key) const {

@@ -82,7 +82,8 @@ void check(std::size_t surrogates, Eigen::Index dimension, int q, const ProposeO
   if (dimension < 1)
     throw InputError(fmt::format("{} dimensions; there must be at least 1", dimension));
   if (q < 1) throw InputError(fmt::format("a batch of {} points; ask for at least 1", q));
-  if (o.candidates < 1 || o.polished < 0 || o.draws < 1 || !(o.minimum_distance >= 0.0))
+  if (o.candidates < 1 || o.polished < 0 || o.draws < 1 || !(o.minimum_distance >= 0.0) ||
+      !(o.failed_distance >= 0.0))
     throw InputError(
         fmt::format("candidates = {}, polished = {}, draws = {}, minimum_distance = {}; they "
                     "must be at least 1, 0, 1 and 0",
@@ -96,6 +97,7 @@ void check(std::size_t surrogates, Eigen::Index dimension, int q, const ProposeO
   };
   check_points(o.visited, "visited");
   check_points(o.pending, "pending");
+  check_points(o.failed, "failed");
 }
 
 /// Largest coordinate difference to the nearest known point.
@@ -143,6 +145,7 @@ class Search {
 
  private:
   bool allowed(const Vector& x) const {
+    if (distance_to(options_.failed, x) < options_.failed_distance) return false;
     return options_.repeats == Repeats::allow ||
            distance_to(belief_.known(), x) >= options_.minimum_distance;
   }

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 
 #include "repose/base/error.hpp"
@@ -105,6 +106,56 @@ TEST(Campaign, StopsWhenToldAndKeepsWhatIsDone) {
   cancelled = false;
   campaign.run(cases(6));
   EXPECT_EQ(engine.runs(), 6);
+}
+
+TEST(Campaign, StopsAtOnceWhenNoRunCanSucceedAndRecordsNothing) {
+  const test::TemporaryDirectory directory;
+  struct FullDisk {
+    std::string name() const { return "full disk"; }
+    EngineExit run(const EngineJob&) const { throw StorageError("no space left on device"); }
+  };
+  const Campaign campaign(directory.path(), FullDisk(), test::SyntheticEngine::measure,
+                          {.workers = 2});
+  EXPECT_THROW(campaign.run(cases(5)), StorageError);
+  for (const auto& entry : std::filesystem::directory_iterator(directory.path() / "runs"))
+    EXPECT_FALSE(std::filesystem::exists(entry.path() / "outcome.json"));
+}
+
+TEST(Campaign, DoesATimedOutRunAgainOnlyWithMoreTime) {
+  struct Slow {
+    std::shared_ptr<std::atomic<int>> runs = std::make_shared<std::atomic<int>>(0);
+    std::string name() const { return "slow"; }
+    EngineExit run(const EngineJob&) const {
+      ++*runs;
+      return {.status = EngineStatus::timed_out,
+              .message = "it exceeded the time limit",
+              .wall_time_s = 1.0};
+    }
+  };
+  const test::TemporaryDirectory directory;
+  const Slow slow;
+  for (const auto& [limit, runs] :
+       {std::pair{10.0, 1}, std::pair{10.0, 1}, std::pair{5.0, 1}, std::pair{20.0, 2}}) {
+    const Campaign campaign(directory.path(), slow, test::SyntheticEngine::measure,
+                            {.workers = 1, .time_limit_s = limit});
+    EXPECT_FALSE(campaign.run(cases(1)).front().usable());
+    EXPECT_EQ(*slow.runs, runs) << limit;
+  }
+}
+
+TEST(Campaign, CallsANonFiniteKpiAFailure) {
+  const test::TemporaryDirectory directory;
+  const auto measure = [](const std::filesystem::path&) {
+    Measurement m;
+    m.kpis = {{"angle_deg", std::nan("")}};
+    return m;
+  };
+  for (int call = 0; call < 2; ++call) {  // computed, then read back
+    const Campaign campaign(directory.path(), test::SyntheticEngine(0), measure, {.workers = 1});
+    const auto outcome = campaign.run(cases(1)).front();
+    EXPECT_NE(outcome.measurement.failure.find("angle_deg is nan"), std::string::npos);
+    EXPECT_TRUE(outcome.measurement.kpis.empty());
+  }
 }
 
 TEST(Campaign, NamesADamagedOutcome) {

@@ -170,6 +170,21 @@ TEST(DrawdownKpis, OfKnownSlopesAreTheirAngles) {
   }
 }
 
+TEST(DrawdownKpis, AreMeasuredOnTheRigThatWasRun) {
+  // Lengths are parameters: a run of another rig than the scenario's own is measured by its own
+  // walls.
+  const test::TemporaryDirectory directory;
+  auto other = Drawdown::preset("quick");
+  other.drop_m = 0.4;
+  other.width_m = 0.3;
+  other.outlet_m = 0.08;
+  const SyntheticRun synthetic(directory / "run", other, 35.0, 25.0, 0.2);
+  const auto m = Drawdown::preset("quick").measure(scene::read_run(directory / "run"));
+  ASSERT_EQ(m.failure, "");
+  EXPECT_NEAR(m.kpis.at("shear_angle_deg"), 35.0, 1.5);
+  EXPECT_NEAR(m.kpis.at("angle_of_repose_deg"), 25.0, 1.0);
+}
+
 TEST(DrawdownKpis, SayWhenTheOutletJammed) {
   const test::TemporaryDirectory directory;
   const auto rig = Drawdown::preset("quick");

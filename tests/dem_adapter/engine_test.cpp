@@ -72,17 +72,38 @@ TEST(BundledEngine, GivesUpWhenItIsCancelled) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     cancelled = true;
   });
-  const auto exit = engine.run({.directory = directory.path(), .cancelled = &cancelled});
+  const auto exit =
+      engine.run({.directory = directory.path(), .cancelled = [&] { return cancelled.load(); }});
   user.join();
   EXPECT_EQ(exit.status, EngineStatus::cancelled);
 }
 
-TEST(BundledEngine, NamesTheSignalThatKilledARun) {
+TEST(BundledEngine, RecordsACrashButNotBeingKilledByOthers) {
   const test::TemporaryDirectory directory;
-  const auto exit =
-      BundledEngine(script(directory, "kill -9 $$")).run({.directory = directory.path()});
-  EXPECT_EQ(exit.status, EngineStatus::failed);
-  EXPECT_EQ(exit.message, "the engine was killed by signal 9");
+  const auto crash =
+      BundledEngine(script(directory, "kill -SEGV $$")).run({.directory = directory.path()});
+  EXPECT_EQ(crash.status, EngineStatus::failed);
+  EXPECT_EQ(crash.message, "the engine was killed by signal 11");
+  for (const char* body : {"kill -9 $$", "kill -TERM $$", "exit 143"})
+    EXPECT_THROW(BundledEngine(script(directory, body)).run({.directory = directory.path()}),
+                 SimulationError)
+        << body;
+}
+
+TEST(BundledEngine, KillsAnEngineThatIgnoresTheRequestToEnd) {
+  const test::TemporaryDirectory directory;
+  const BundledEngine engine(script(directory, "trap '' TERM; while :; do sleep 0.05; done"));
+  const auto exit = engine.run({.directory = directory.path(), .time_limit_s = 0.1});
+  EXPECT_EQ(exit.status, EngineStatus::timed_out);
+  EXPECT_GT(exit.wall_time_s, 3.0);  // it had its grace
+  EXPECT_LT(exit.wall_time_s, 30.0);
+}
+
+TEST(BundledEngine, IsNamedByItsContent) {
+  const test::TemporaryDirectory directory;
+  const auto one = BundledEngine(script(directory, "exit 0")).name();
+  EXPECT_EQ(BundledEngine(script(directory, "exit 0")).name(), one);
+  EXPECT_NE(BundledEngine(script(directory, "exit 1")).name(), one);
 }
 
 }  // namespace

@@ -104,6 +104,18 @@ TEST(Study, RefusesASimulationThatCannotBeBeforeAnyRuns) {
   EXPECT_NE(message.find("0.5"), std::string::npos) << message;
 }
 
+TEST(Study, NamesTheParameterWhoseRangeCannotBeSimulated) {
+  const auto message = refusal(replaced("c_r_pp = { lower = 0.3", "c_r_pp = { lower = 0.0"));
+  EXPECT_NE(message.find("study.toml:9: parameters.c_r_pp: with c_r_pp = 0: "), std::string::npos)
+      << message;
+}
+
+TEST(Study, RefusesNamesThatTablesCannotHold) {
+  auto text = replaced("[\"mu_r\"]\nmu_r_ss", "[\"seed\"]\nmu_r_ss");
+  text.replace(text.find("mu_r = {"), 4, "seed");
+  EXPECT_NE(refusal(text).find("taken by a column"), std::string::npos) << refusal(text);
+}
+
 TEST(Study, OfAMissingFileOrScenarioIsNamed) {
   EXPECT_THROW(read_study("/nowhere/study.toml"), StorageError);
   EXPECT_THROW(read(replaced("[scenario]\nscenario = \"drawdown\"\npreset = \"quick\"\n",

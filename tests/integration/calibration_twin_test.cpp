@@ -5,6 +5,7 @@
 #include <signal.h>
 
 #include <chrono>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -85,6 +86,17 @@ int finished_runs(const std::filesystem::path& directory) {
   return count;
 }
 
+/// When the outcome of each finished run was written.
+std::map<std::string, std::filesystem::file_time_type> outcome_times(
+    const std::filesystem::path& directory) {
+  std::map<std::string, std::filesystem::file_time_type> times;
+  for (const auto& entry : std::filesystem::directory_iterator(directory / "runs"))
+    if (std::filesystem::exists(entry.path() / "outcome.json"))
+      times[entry.path().filename()] =
+          std::filesystem::last_write_time(entry.path() / "outcome.json");
+  return times;
+}
+
 /// Starts the calibration and kills it with SIGKILL once `runs` runs are finished.
 void kill_after(const Workbench& bench, int runs) {
   const pid_t child = ::fork();
@@ -117,14 +129,16 @@ TEST(CalibrationTwin, BeatsTheBestScreeningPointAndSurvivesBeingKilled) {
   const int before = finished_runs(bench / "out");
   ASSERT_GE(before, 9);
   EXPECT_FALSE(std::filesystem::exists(bench / "out/result.toml"));
+  const auto written = outcome_times(bench / "out");
   kill_after(bench, 30);
 
   const auto said = bench.run("repose", "calibrate study.toml -o out --json");
   ASSERT_EQ(said.code, 0) << said.err;
   const auto json = nlohmann::json::parse(said.out);
   std::cout << json.dump(1) << '\n';
-  EXPECT_EQ(finished_runs(bench / "out"), json.at("runs").get<int>())
-      << "a run was done twice or lost";
+  EXPECT_EQ(finished_runs(bench / "out"), json.at("runs").get<int>());
+  const auto now = outcome_times(bench / "out");
+  for (const auto& [key, time] : written) EXPECT_EQ(now.at(key), time) << key << " was done twice";
 
   const auto result = TomlTable::read_file(bench / "out/result.toml");
   const double verified = result.number("verified_weighted_error");

@@ -1,4 +1,4 @@
-// Parameter spaces: scales, ties, restriction, and what they refuse.
+// Parameter spaces: scales, ties, and what they refuse.
 #include "repose/base/parameter_space.hpp"
 
 #include <gtest/gtest.h>
@@ -32,12 +32,6 @@ TEST(ParameterSpace, ComputesTiesInWhateverOrderTheyAreGiven) {
   EXPECT_DOUBLE_EQ(values.at("mu_s_ps"), 0.6);
   EXPECT_DOUBLE_EQ(values.at("mean_of_tied"), 0.65);
   EXPECT_DOUBLE_EQ(values.at("mu_s_ss"), 0.5);
-}
-
-TEST(ParameterSpace, RestrictionFixesWhatIsNotKept) {
-  const auto space = example().restricted_to({"stiffness"}, {{"mu_s_pp", 0.9}});
-  EXPECT_EQ(space.dimension(), 1U);
-  EXPECT_DOUBLE_EQ(space.complete(Vector::Constant(1, 2e6)).at("mu_s_ps"), 0.7);
 }
 
 TEST(ParameterSpace, RefusesWhatCannotBeAndNamesIt) {

@@ -2,12 +2,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "command.hpp"
+#include "repose/base/error.hpp"
 #include "repose/base/file.hpp"
 #include "repose/dem_adapter/calibration.hpp"
 #include "repose/scene/run_output.hpp"
@@ -98,16 +100,19 @@ void calibrate_study(const CalibrateOptions& options) {
                           {.workers = study.compute.workers,
                            .time_limit_s = study.compute.time_limit_s,
                            .cancelled = &stop_requested()});
-  write_file_atomically(directory / "study.toml", read_file(options.study));
   Terminal terminal(options.common);
   const auto result = calibrate(study, campaign, terminal.observer());
   terminal.end();
   write_results(directory, study, result, command_line());
+  write_file_atomically(directory / "study_as_run.toml", read_file(options.study));
   if (options.common.json)
     fmt::print("{}\n", as_json(result).dump(2));
   else
     fmt::print("{}\nReport: {}\n", result_text(study, result),
                (directory / "report.html").string());
+  if (!std::isfinite(result.verified_error))
+    throw SimulationError(
+        "every run at the calibrated point failed, so nothing is proven; see the remarks above");
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 
 #include "command.hpp"
 #include "repose/base/error.hpp"
-#include "repose/base/log.hpp"
 #include "repose/base/text.hpp"
 #include "repose/dem_adapter/campaign.hpp"
 
@@ -59,9 +58,6 @@ const std::string& command_line() {
 
 int main(int argc, char** argv) {
   using repose::ErrorKind;
-  repose::set_log_sink([](repose::LogLevel level, std::string_view message) {
-    if (level == repose::LogLevel::warning) fmt::print(stderr, "repose: warning: {}\n", message);
-  });
   try {
     return repose::cli::run(argc, argv);
   } catch (const repose::Error& error) {

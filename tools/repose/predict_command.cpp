@@ -19,10 +19,24 @@ struct PredictOptions {
   std::string output;
 };
 
+/// The model's inputs; ln_NAME is the logarithm of a column NAME where the table has no column
+/// ln_NAME.
+Matrix inputs_of(const table::Table& table, const std::vector<std::string>& inputs) {
+  Matrix x(static_cast<Eigen::Index>(table.rows()), static_cast<Eigen::Index>(inputs.size()));
+  for (std::size_t k = 0; k < inputs.size(); ++k) {
+    const bool log = !table.has(inputs[k]) && inputs[k].starts_with("ln_");
+    const auto values = table.numbers(log ? inputs[k].substr(3) : inputs[k]);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      x(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
+          log ? std::log(values[i]) : values[i];
+  }
+  return x;
+}
+
 void predict(const PredictOptions& options) {
   const auto named = surrogate::load_model(options.model);
   auto table = table::read_table(table::parse_location(options.table), table::Missing::allow);
-  const Matrix x = table.matrix(named.inputs);
+  const Matrix x = inputs_of(table, named.inputs);
   if (!x.allFinite())
     throw InputError(fmt::format("{}: an input is missing; give every row a value", options.table));
   const auto& bounds = named.model.declared_bounds();

@@ -73,21 +73,33 @@ void print_measurement(const SimulateOptions& options, const dem_adapter::Measur
   fmt::print("\n{} in {}\n", duration_text(seconds), options.output);
 }
 
+/// A folder may be new, empty, or hold the same run unfinished, which is then done again.
+void claim(const std::filesystem::path& directory, const std::string& case_text) {
+  if (!std::filesystem::exists(directory)) return;
+  const bool folder = std::filesystem::is_directory(directory);
+  if (folder && std::filesystem::is_empty(directory)) return;
+  const auto case_file = directory / "case.toml";
+  if (folder && std::filesystem::exists(case_file) && read_file(case_file) == case_text &&
+      !std::filesystem::exists(directory / "output" / "run.h5"))
+    return;
+  throw StorageError(fmt::format("'{}' exists and is not empty; name another folder or remove it",
+                                 directory.string()));
+}
+
 void simulate(const SimulateOptions& options) {
   const auto scenario = dem_adapter::read_scenario_file(options.scenario);
   const auto scene = scenario.make_case(parse_settings(options.settings, scenario), options.seed);
   scene::validate(scene);
   const std::filesystem::path directory = options.output;
-  if (std::filesystem::exists(directory) &&
-      (!std::filesystem::is_directory(directory) || !std::filesystem::is_empty(directory)))
-    throw StorageError(fmt::format("'{}' exists and is not empty; name another folder or remove it",
-                                   options.output));
+  const auto case_text = scene::case_text(scene);
+  claim(directory, case_text);
   const dem_adapter::BundledEngine engine;
   make_directory(directory);
-  scene::write_case(directory / "case.toml", scene);
+  std::filesystem::remove_all(directory / "output");
+  write_file_atomically(directory / "case.toml", case_text);
   const auto exit = engine.run({.directory = directory,
                                 .time_limit_s = options.time_limit_s,
-                                .cancelled = &stop_requested(),
+                                .cancelled = [] { return stop_requested().load(); },
                                 .streams = options.common.quiet || options.common.json
                                                ? dem_adapter::EngineStreams::to_log
                                                : dem_adapter::EngineStreams::inherited});

@@ -5,7 +5,7 @@
 
 namespace repose::cli {
 
-/// Becomes true at the first SIGINT or SIGTERM after this call.
+/// Becomes true at the first SIGINT or SIGTERM after the first call.
 const std::atomic<bool>& stop_requested();
 
 }  // namespace repose::cli

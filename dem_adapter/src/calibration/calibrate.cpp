@@ -10,6 +10,7 @@
 #include "repose/base/text.hpp"
 #include "repose/dem_adapter/calibration.hpp"
 #include "repose/doe/designs.hpp"
+#include "repose/table/io.hpp"
 
 namespace repose::dem_adapter {
 namespace {
@@ -44,6 +45,13 @@ AdaptiveStep step_of(const Study& study, const SurrogateSet& surrogates, const D
           .best_expected_error = best_expected_error(study, surrogates, visited.usable)};
 }
 
+/// The table of all runs so far, so that whoever looks after a failure finds it.
+void write_runs(const std::filesystem::path& directory, const Study& study, const Dataset& data) {
+  auto runs = data.table(study);
+  table::stamp_provenance(runs, "", study.seed, {});
+  table::write_table({directory / "runs.h5", ""}, runs);
+}
+
 /// Samples, fits, and adds batches until the surrogates are good enough or the budget is spent.
 void learn(const Study& study, const Campaign& campaign, const CalibrationObserver& observer,
            const std::vector<std::string>& parameters, Calibration& result) {
@@ -51,6 +59,7 @@ void learn(const Study& study, const Campaign& campaign, const CalibrationObserv
   const Matrix sample = initial_sample(study, parameters.size());
   simulate(data, study, campaign, Phase::sampling, 0, embed(study, parameters, sample),
            study.sampling.repetitions, progress_of(observer, "sampling"));
+  write_runs(campaign.directory(), study, data);
   result.surrogates = fit_surrogates(study, data, parameters);
   result.history.push_back(step_of(study, result.surrogates, data, 0));
   int batch = 0;
@@ -115,10 +124,14 @@ void verify(const Study& study, const Campaign& campaign, const CalibrationObser
   result.baseline_error = result.kpis.front().baseline.count > 0
                               ? opt::weighted_error(std::span<const double>(baseline), targets)
                               : kUnknown;
-  if (result.kpis.front().verified.count < repetitions)
-    result.remarks.push_back(fmt::format("{} of {} verification runs failed; see runs.h5.",
-                                         repetitions - result.kpis.front().verified.count,
-                                         repetitions));
+  const auto note_failures = [&](int usable, const char* what) {
+    if (usable < repetitions)
+      result.remarks.push_back(fmt::format("{} of {} runs at the {} failed: {}.",
+                                           repetitions - usable, repetitions, what,
+                                           failure_summary(result.data)));
+  };
+  note_failures(result.kpis.front().verified.count, "calibrated point");
+  note_failures(result.kpis.front().baseline.count, "best screening point");
 }
 
 }  // namespace
@@ -158,8 +171,9 @@ Calibration calibrate(const Study& study, const Campaign& campaign,
   const Matrix corners = 0.5 * (result.screening_design.array() + 1.0).matrix();
   simulate(result.data, study, campaign, Phase::screening, 0, corners, study.screening.repetitions,
            progress_of(observer, "screening"));
+  write_runs(campaign.directory(), study, result.data);
+  result.screening = analyse_screening(study, result.screening_design, result.data, result.remarks);
   result.baseline_unit = best_screening_point(study, result.data);
-  result.screening = analyse_screening(study, result.screening_design, result.data);
   const auto parameters = choose_parameters(result.screening, result.remarks);
   say(observer, screening_text(result.screening));
   say(observer, fmt::format("To be calibrated: {}.\n", listed(parameters)));
@@ -169,11 +183,10 @@ Calibration calibrate(const Study& study, const Campaign& campaign,
   note_coverage(study, result);
 
   // Where they meet the targets.
-  const auto optimum = optimise(study, result.surrogates);
+  const auto visited = visited_points(study, result.data, parameters);
+  const auto optimum = optimise(study, result.surrogates, visited);
   result.predicted_error = optimum.expected_error;
-  result.genetic_generations = optimum.generations;
-  result.genetic_message = optimum.message;
-  result.parameters = parameter_ranges(study, result.surrogates, optimum);
+  result.parameters = parameter_ranges(study, result.surrogates, visited, optimum);
   const Vector optimum_full = embed(study, parameters, optimum.unit.transpose()).row(0).transpose();
   result.values = study.space.complete(study.space.from_unit(optimum_full));
   for (std::size_t j = 0; j < result.kpis.size(); ++j) {

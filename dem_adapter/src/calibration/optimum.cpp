@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "phases.hpp"
 #include "repose/base/random.hpp"
@@ -8,7 +9,7 @@ namespace repose::dem_adapter {
 namespace {
 
 constexpr std::uint64_t kGeneticStream = 200, kRangeStream = 201;
-constexpr Eigen::Index kRangePoints = 8192;
+constexpr Eigen::Index kRangePoints = 4096;
 
 /// Mean and deviation of the weighted error at each row.
 std::vector<Gaussian> weighted_errors(const Study& study, const SurrogateSet& surrogates,
@@ -25,9 +26,37 @@ std::vector<Gaussian> weighted_errors(const Study& study, const SurrogateSet& su
   return errors;
 }
 
+double nearest(const Matrix& points, const Vector& x) {
+  double distance = std::numeric_limits<double>::infinity();
+  for (Eigen::Index i = 0; i < points.rows(); ++i)
+    distance = std::min(distance, (points.row(i).transpose() - x).cwiseAbs().maxCoeff());
+  return distance;
+}
+
+/// Whether the nearest simulated point is one at which every run failed.
+bool fails_nearby(const VisitedPoints& visited, const Vector& x) {
+  return visited.failed.rows() > 0 && nearest(visited.failed, x) < nearest(visited.usable, x);
+}
+
+/// Quasi-random points of the whole cube and of ever smaller boxes around the optimum.
+Matrix range_points(const Vector& optimum, std::uint64_t seed) {
+  const std::vector<double> half_widths{1.0, 0.3, 0.1, 0.03};
+  const auto d = optimum.size();
+  Matrix points(static_cast<Eigen::Index>(half_widths.size()) * kRangePoints, d);
+  const Matrix uniforms = opt::scrambled_uniforms(kRangePoints, d, seed);
+  for (std::size_t level = 0; level < half_widths.size(); ++level) {
+    const Vector low = (optimum.array() - half_widths[level]).cwiseMax(0.0);
+    const Vector high = (optimum.array() + half_widths[level]).cwiseMin(1.0);
+    points.middleRows(static_cast<Eigen::Index>(level) * kRangePoints, kRangePoints) =
+        (uniforms.array().rowwise() * (high - low).transpose().array()).rowwise() +
+        low.transpose().array();
+  }
+  return points;
+}
+
 }  // namespace
 
-Optimum optimise(const Study& study, const SurrogateSet& surrogates) {
+Optimum optimise(const Study& study, const SurrogateSet& surrogates, const VisitedPoints& visited) {
   const auto d = static_cast<Eigen::Index>(surrogates.parameters.size());
   auto options = study.genetic;
   options.seed = derive_seed(study.seed, kGeneticStream);
@@ -35,29 +64,32 @@ Optimum optimise(const Study& study, const SurrogateSet& surrogates) {
     const auto errors = weighted_errors(study, surrogates, rows);
     Vector values(rows.rows());
     for (std::size_t i = 0; i < errors.size(); ++i)
-      values[static_cast<Eigen::Index>(i)] = errors[i].mean;
+      values[static_cast<Eigen::Index>(i)] =
+          fails_nearby(visited, rows.row(static_cast<Eigen::Index>(i)).transpose())
+              ? std::numeric_limits<double>::infinity()
+              : errors[i].mean;
     return values;
   };
   const auto found = opt::minimize_genetic(objective, {Vector::Zero(d), Vector::Ones(d)}, options);
   const auto at_optimum = weighted_errors(study, surrogates, found.x.transpose());
-  return {.unit = found.x,
-          .expected_error = found.value,
-          .deviation = at_optimum.front().standard_deviation(),
-          .generations = found.generations,
-          .message = found.message};
+  return {
+      .unit = found.x,
+      .expected_error = found.value,
+      .deviation = at_optimum.front().standard_deviation(),
+  };
 }
 
 std::vector<CalibratedParameter> parameter_ranges(const Study& study,
                                                   const SurrogateSet& surrogates,
+                                                  const VisitedPoints& visited,
                                                   const Optimum& optimum) {
-  const auto d = static_cast<Eigen::Index>(surrogates.parameters.size());
-  const Matrix points =
-      opt::scrambled_uniforms(kRangePoints, d, derive_seed(study.seed, kRangeStream));
+  const Matrix points = range_points(optimum.unit, derive_seed(study.seed, kRangeStream));
   const auto errors = weighted_errors(study, surrogates, points);
   Vector lowest = optimum.unit, highest = optimum.unit;
   for (std::size_t i = 0; i < errors.size(); ++i) {
     if (errors[i].mean > optimum.expected_error + optimum.deviation) continue;
     const Vector point = points.row(static_cast<Eigen::Index>(i)).transpose();
+    if (fails_nearby(visited, point)) continue;
     lowest = lowest.cwiseMin(point);
     highest = highest.cwiseMax(point);
   }

@@ -11,8 +11,13 @@ namespace repose::dem_adapter {
 /// The screening design in coded units for all free parameters of the study.
 Matrix screening_design(const Study& study);
 
-/// Analyses the screening runs of `data`; failed runs are missing values.
-doe::Screening analyse_screening(const Study& study, const Matrix& coded, const Dataset& data);
+/// Analyses the screening runs of `data`; failed runs are missing values, and a repetition that
+/// lost too many is left out with a remark. Throws SimulationError if none is left.
+doe::Screening analyse_screening(const Study& study, const Matrix& coded, const Dataset& data,
+                                 std::vector<std::string>& remarks);
+
+/// Why the runs of a dataset failed, commonest reason first, for the message of an error.
+std::string failure_summary(const Dataset& data);
 
 /// Names of the parameters to calibrate: those selected, or the two with the smallest pooled
 /// p-values if none is (a remark says so).
@@ -41,19 +46,19 @@ double best_expected_error(const Study& study, const SurrogateSet& surrogates,
 Matrix propose(const Study& study, const SurrogateSet& surrogates, const VisitedPoints& visited,
                int batch);
 
-/// The minimum of the expected weighted error over the unit cube, by the genetic algorithm.
+/// The minimum of the expected weighted error over the unit cube, by the genetic algorithm; where
+/// the nearest simulated point failed, nothing is searched.
 struct Optimum {
   Vector unit;
   double expected_error = 0.0;
   double deviation = 0.0;  ///< of the weighted error there, by the surrogates
-  int generations = 0;
-  std::string message;
 };
-Optimum optimise(const Study& study, const SurrogateSet& surrogates);
+Optimum optimise(const Study& study, const SurrogateSet& surrogates, const VisitedPoints& visited);
 
 /// The calibrated parameters with the ranges that the surrogates cannot tell apart.
 std::vector<CalibratedParameter> parameter_ranges(const Study& study,
                                                   const SurrogateSet& surrogates,
+                                                  const VisitedPoints& visited,
                                                   const Optimum& optimum);
 
 /// The screening point with the smallest weighted error of its mean KPIs, in unit coordinates.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 
 #include "phases.hpp"
@@ -19,21 +20,61 @@ Matrix screening_design(const Study& study) {
       .coded;
 }
 
-doe::Screening analyse_screening(const Study& study, const Matrix& coded, const Dataset& data) {
+std::string failure_summary(const Dataset& data) {
+  std::map<std::string, int> counts;
+  for (const auto& o : data.observations)
+    if (!o.outcome.usable()) ++counts[o.outcome.measurement.failure];
+  const auto commonest =
+      std::max_element(counts.begin(), counts.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
+  if (commonest == counts.end()) return "no run failed";
+  return fmt::format("{} failed, e.g. \"{}\" (all reasons are in runs.h5)", data.failed(),
+                     commonest->first);
+}
+
+doe::Screening analyse_screening(const Study& study, const Matrix& coded, const Dataset& data,
+                                 std::vector<std::string>& remarks) {
+  const int repetitions = study.screening.repetitions;
   std::vector<std::string> names;
   std::vector<Matrix> responses;
   for (const auto& target : study.targets) {
-    const auto& kpi = target.target.name;
-    Matrix values = Matrix::Constant(coded.rows(), study.screening.repetitions,
-                                     std::numeric_limits<double>::quiet_NaN());
-    for (const auto& o : data.observations)
-      if (data.points[o.point].phase == Phase::screening && o.outcome.usable())
-        values(static_cast<Eigen::Index>(o.point), o.repetition) =
-            o.outcome.measurement.kpis.at(kpi);
-    names.push_back(kpi);
-    responses.push_back(std::move(values));
+    names.push_back(target.target.name);
+    responses.push_back(
+        Matrix::Constant(coded.rows(), repetitions, std::numeric_limits<double>::quiet_NaN()));
   }
-  return doe::screen(coded, study.space.names(), names, responses, study.screening.analysis);
+  for (const auto& o : data.observations)
+    if (data.points[o.point].phase == Phase::screening && o.outcome.usable())
+      for (std::size_t j = 0; j < names.size(); ++j)
+        responses[j](static_cast<Eigen::Index>(o.point), o.repetition) =
+            o.outcome.measurement.kpis.at(names[j]);
+  const auto analyse = [&](const std::vector<int>& columns) {
+    std::vector<Matrix> chosen;
+    for (const auto& values : responses) chosen.push_back(values(Eigen::all, columns));
+    return doe::screen(coded, study.space.names(), names, chosen, study.screening.analysis);
+  };
+
+  std::vector<int> kept;
+  std::string refusal;
+  for (int r = 0; r < repetitions; ++r) {
+    try {
+      static_cast<void>(analyse({r}));
+      kept.push_back(r);
+    } catch (const InputError& error) {  // too many of its runs failed
+      refusal = error.what();
+    }
+  }
+  if (kept.empty())
+    throw SimulationError(
+        fmt::format("too many runs of the screening failed to analyse any repetition ({}); {}; "
+                    "choose ranges in which the "
+                    "material flows",
+                    refusal, failure_summary(data)));
+  if (static_cast<int>(kept.size()) < repetitions)
+    remarks.push_back(fmt::format(
+        "{} of {} repetitions of the screening were left out, because too many of their runs "
+        "failed.",
+        repetitions - static_cast<int>(kept.size()), repetitions));
+  return analyse(kept);
 }
 
 std::vector<std::string> choose_parameters(const doe::Screening& screening,
@@ -88,11 +129,7 @@ Vector best_screening_point(const Study& study, const Dataset& data) {
       best_point = &data.points[p];
     }
   }
-  if (best_point == nullptr)
-    throw SimulationError(
-        "every run of the screening failed; look at the failures in runs.h5 and at "
-        "runs/*/engine.log, and "
-        "choose ranges in which the material flows");
+  REPOSE_ASSERT(best_point != nullptr, "the screening was analysed without a usable run");
   return best_point->unit;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <set>
 
@@ -41,7 +42,21 @@ void check_known(const TomlTable& table, const std::string& name,
                                name, similar));
 }
 
-ParameterSpace read_space(const TomlTable& root, const std::vector<std::string>& known) {
+/// Names become columns of tables and keys of result.toml.
+void check_name(const TomlTable& parameters, const std::string& name,
+                const std::vector<std::string>& kpis) {
+  const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return c < 0x80 && (std::isalnum(c) != 0 || c == '_');
+  });
+  if (!plain) parameters.fail(name, "a name may hold letters, digits and _ only");
+  static const std::set<std::string> kColumns{
+      "phase", "point", "batch", "repetition", "seed", "failure", "run", "wall_time_s", "pair"};
+  if (kColumns.count(name) > 0 || std::find(kpis.begin(), kpis.end(), name) != kpis.end())
+    parameters.fail(name, "this name is taken by a column of the tables of runs; choose another");
+}
+
+ParameterSpace read_space(const TomlTable& root, const std::vector<std::string>& known,
+                          const std::vector<std::string>& kpis) {
   std::vector<Tie> ties;
   std::set<std::string> sources;
   const auto tie_table = root.table_if_present("ties");
@@ -54,6 +69,7 @@ ParameterSpace read_space(const TomlTable& root, const std::vector<std::string>&
   const auto parameters = root.table("parameters");
   std::vector<Parameter> free;
   for (const auto& name : parameters.keys()) {
+    check_name(parameters, name, kpis);
     check_known(parameters, name, known, sources);
     const auto p = parameters.table(name);
     Parameter parameter{.name = name, .lower = p.number("lower"), .upper = p.number("upper")};
@@ -162,17 +178,31 @@ void read_plans(const TomlTable& root, Study& study) {
   }
 }
 
-/// A study whose simulations cannot be built is refused before any of them runs.
-void check_corners(const Study& study, const std::filesystem::path& path) {
+/// A study whose simulations cannot be built is refused before any of them runs: the middle of the
+/// space is tried, then each parameter alone at its ends.
+void check_cases(const Study& study, const TomlTable& root) {
+  const auto parameters = root.table("parameters");
   const auto d = static_cast<Eigen::Index>(study.space.dimension());
-  for (const auto& [name, unit] :
-       {std::pair{"lowest", 0.0}, std::pair{"middle", 0.5}, std::pair{"highest", 1.0}})
-    try {
-      const Vector natural = study.space.from_unit(Vector::Constant(d, unit));
-      scene::validate(study.scenario.make_case(study.space.complete(natural), 0));
-    } catch (const InputError& error) {
-      throw InputError(fmt::format("{}: with all parameters at their {} values: {}", path.string(),
-                                   name, error.what()));
+  const auto build = [&](const Vector& unit) {
+    scene::validate(study.scenario.make_case(study.space.complete(study.space.from_unit(unit)), 0));
+  };
+  try {
+    build(Vector::Constant(d, 0.5));
+  } catch (const InputError& error) {
+    root.fail("", fmt::format("with every parameter at its middle: {}", error.what()));
+  }
+  for (Eigen::Index i = 0; i < d; ++i)
+    for (const double end : {0.0, 1.0}) {
+      const auto& p = study.space.parameters()[static_cast<std::size_t>(i)];
+      Vector unit = Vector::Constant(d, 0.5);
+      unit[i] = end;
+      try {
+        build(unit);
+      } catch (const InputError& error) {
+        parameters.fail(p.name,
+                        fmt::format("with {} = {}: {}", p.name,
+                                    shortest(end == 0.0 ? p.lower : p.upper), error.what()));
+      }
     }
 }
 
@@ -189,11 +219,11 @@ Study read_study(const std::filesystem::path& path) {
   Study study{.title = root.text_or("title", path.stem().string()),
               .scenario = read_scenario_of(root, path.parent_path()),
               .seed = static_cast<std::uint64_t>(root.integer_or("seed", 1, {.lower = 0.0}))};
-  study.space = read_space(root, study.scenario.parameter_names());
+  study.space = read_space(root, study.scenario.parameter_names(), study.scenario.kpi_names());
   study.targets = read_targets(root, study.scenario.kpi_names());
   read_plans(root, study);
   root.refuse_unknown_keys();
-  check_corners(study, path);
+  check_cases(study, root);
   return study;
 }
 

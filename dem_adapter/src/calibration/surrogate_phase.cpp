@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "phases.hpp"
 #include "repose/base/error.hpp"
@@ -29,27 +30,28 @@ std::vector<Eigen::Index> columns_of(const Study& study, const std::vector<std::
   return columns;
 }
 
-/// R^2 of left-out points: every point's mean against its prediction without that point.
-double r2_of_points(const surrogate::GaussianProcess& model, const Vector& y,
-                    const std::vector<std::size_t>& point_of_row) {
+/// R^2 of left-out points: the mean at every place against its prediction without the runs there.
+double r2_of_points(const surrogate::GaussianProcess& model, const Matrix& x, const Vector& y) {
   const auto loo = model.leave_one_out();
   struct Sum {
     double y = 0.0, predicted = 0.0;
     int n = 0;
   };
-  std::map<std::size_t, Sum> sums;
+  std::map<std::vector<double>, Sum> places;
   for (Eigen::Index i = 0; i < y.size(); ++i) {
     if (!std::isfinite(loo.predicted[i])) continue;
-    auto& sum = sums[point_of_row[static_cast<std::size_t>(i)]];
+    std::vector<double> place(static_cast<std::size_t>(x.cols()));
+    for (Eigen::Index k = 0; k < x.cols(); ++k) place[static_cast<std::size_t>(k)] = x(i, k);
+    auto& sum = places[place];
     sum.y += y[i];
     sum.predicted += loo.predicted[i];
     ++sum.n;
   }
   double mean = 0.0;
-  for (const auto& [point, sum] : sums) mean += sum.y / sum.n;
-  mean /= static_cast<double>(sums.size());
+  for (const auto& [place, sum] : places) mean += sum.y / sum.n;
+  mean /= static_cast<double>(places.size());
   double total = 0.0, residual = 0.0;
-  for (const auto& [point, sum] : sums) {
+  for (const auto& [place, sum] : places) {
     total += std::pow(sum.y / sum.n - mean, 2);
     residual += std::pow((sum.y - sum.predicted) / sum.n, 2);
   }
@@ -87,12 +89,15 @@ SurrogateSet fit_surrogates(const Study& study, const Dataset& data,
   std::vector<const Observation*> rows;
   for (const auto& o : data.observations)
     if (o.outcome.usable() && trains(study, data.points[o.point])) rows.push_back(&o);
+  if (rows.size() < 2 * (parameters.size() + 1))
+    throw SimulationError(
+        fmt::format("only {} of {} runs can be used, too few to learn from; {}; choose ranges in "
+                    "which the material flows",
+                    rows.size(), data.observations.size(), failure_summary(data)));
   Matrix full(static_cast<Eigen::Index>(rows.size()),
               static_cast<Eigen::Index>(study.space.dimension()));
-  std::vector<std::size_t> point_of_row;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     full.row(static_cast<Eigen::Index>(i)) = data.points[rows[i]->point].unit.transpose();
-    point_of_row.push_back(rows[i]->point);
   }
   const Matrix x = project(study, parameters, full);
   const auto d = x.cols();
@@ -109,7 +114,7 @@ SurrogateSet fit_surrogates(const Study& study, const Dataset& data,
     options.seed = study.seed;
     options.threads = study.compute.workers;
     set.models.push_back(surrogate::GaussianProcess::fit(x, y, unit, options));
-    set.r2.push_back(r2_of_points(set.models.back(), y, point_of_row));
+    set.r2.push_back(r2_of_points(set.models.back(), x, y));
     set.y.push_back(std::move(y));
   }
   return set;
@@ -154,7 +159,7 @@ Matrix propose(const Study& study, const SurrogateSet& surrogates, const Visited
   const auto models = as_surrogates(surrogates);
   opt::ProposeOptions options;
   options.visited = visited.usable;
-  options.pending = visited.failed;  // believed and kept away from: nothing can be learnt there
+  options.failed = visited.failed;
   options.seed = derive_seed(study.seed, kProposalStream + static_cast<std::uint64_t>(batch));
   options.threads = study.compute.workers;
   return opt::propose_batch(models, targets,

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <mutex>
@@ -53,34 +54,61 @@ std::string Campaign::key_of(const std::string& case_text) const {
   return fmt::format("{:016x}", content_hash(engine_.name() + '\n' + case_text));
 }
 
-RunOutcome Campaign::run_one(const std::string& key, const std::string& case_text) const {
+std::optional<RunOutcome> Campaign::recorded(const std::string& key,
+                                             const std::string& case_text) const {
   const auto folder = directory_ / "runs" / key;
-  const auto case_file = folder / "case.toml";
-  if (auto outcome = read_outcome(folder / "outcome.json")) {
-    if (read_file(case_file) == case_text) return *outcome;
+  auto outcome = read_outcome(folder / "outcome.json");
+  if (!outcome) return std::nullopt;
+  if (read_file(folder / "case.toml") != case_text)
     throw StorageError(fmt::format(
         "'{}' belongs to another case than its name says; move that folder away", folder.string()));
-  }
-  if (options_.cancelled != nullptr && *options_.cancelled) throw Interrupted();
-  std::filesystem::remove_all(folder / "output");  // of a run that did not finish
+  const bool more_time =
+      options_.time_limit_s == 0.0 || options_.time_limit_s > outcome->exceeded_limit_s;
+  if (outcome->exceeded_limit_s > 0.0 && more_time) return std::nullopt;
+  return outcome;
+}
+
+RunOutcome Campaign::run_one(const std::string& key, const std::string& case_text,
+                             const std::atomic<bool>& given_up) const {
+  const auto cancelled = [&] {
+    return given_up || (options_.cancelled != nullptr && *options_.cancelled);
+  };
+  if (cancelled()) throw Interrupted();
+  const auto folder = directory_ / "runs" / key;
+  std::error_code code;
+  std::filesystem::remove_all(folder / "output", code);  // of a run that did not finish
+  if (code)
+    throw StorageError(
+        fmt::format("cannot remove '{}': {}", (folder / "output").string(), code.message()));
   make_directory(folder);
-  write_file_atomically(case_file, case_text);
-  const auto exit = engine_.run({.directory = folder,
-                                 .time_limit_s = options_.time_limit_s,
-                                 .cancelled = options_.cancelled});
+  write_file_atomically(folder / "case.toml", case_text);
+  const auto exit = engine_.run(
+      {.directory = folder, .time_limit_s = options_.time_limit_s, .cancelled = cancelled});
   if (exit.status == EngineStatus::cancelled) throw Interrupted();
   RunOutcome outcome{.key = key, .measurement = {}, .wall_time_s = exit.wall_time_s};
-  if (exit.status == EngineStatus::finished) {
-    try {
-      outcome.measurement = measure_(folder / "output");
-    } catch (const Error& error) {
-      outcome.measurement.failure = fmt::format("its output cannot be measured: {}", error.what());
-    }
-  } else {
+  if (exit.status == EngineStatus::timed_out) outcome.exceeded_limit_s = options_.time_limit_s;
+  if (exit.status == EngineStatus::finished)
+    outcome.measurement = measured(folder / "output");
+  else
     outcome.measurement.failure = exit.message;
-  }
   write_outcome(folder / "outcome.json", outcome, engine_.name());
   return outcome;
+}
+
+Measurement Campaign::measured(const std::filesystem::path& output) const {
+  Measurement m;
+  try {
+    m = measure_(output);
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::storage || error.kind() == ErrorKind::internal) throw;
+    m.failure = fmt::format("its output cannot be measured: {}", error.what());
+  }
+  for (const auto& [name, value] : m.kpis)
+    if (!std::isfinite(value) && m.failure.empty())
+      m.failure = fmt::format("{} is {}: the scenario gave no finite value", name, value);
+  if (!m.failure.empty()) m.kpis.clear();
+  std::erase_if(m.details, [](const auto& detail) { return !std::isfinite(detail.second); });
+  return m;
 }
 
 std::vector<RunOutcome> Campaign::run(const std::vector<scene::Case>& cases,
@@ -101,10 +129,9 @@ std::vector<RunOutcome> Campaign::run(const std::vector<scene::Case>& cases,
   // What is finished is read first, so that the rate shown is that of new runs.
   std::vector<std::string> open;
   for (const auto& key : order) {
-    if (std::filesystem::exists(directory_ / "runs" / key / "outcome.json")) {
-      auto outcome = run_one(key, texts.at(key));
-      failed += outcome.usable() ? 0 : 1;
-      outcomes.emplace(key, std::move(outcome));
+    if (auto outcome = recorded(key, texts.at(key))) {
+      failed += outcome->usable() ? 0 : 1;
+      outcomes.emplace(key, std::move(*outcome));
     } else {
       open.push_back(key);
     }
@@ -116,13 +143,27 @@ std::vector<RunOutcome> Campaign::run(const std::vector<scene::Case>& cases,
     progress(static_cast<double>(outcomes.size()), static_cast<double>(order.size()), note);
   };
   report();
+  std::atomic<bool> given_up{false};
+  std::exception_ptr reason;  // of giving up: an error that concerns every run
   parallel_for(open.size(), options_.workers, [&](std::size_t i) {
-    auto outcome = run_one(open[i], texts.at(open[i]));
+    RunOutcome outcome;
+    try {
+      outcome = run_one(open[i], texts.at(open[i]), given_up);
+    } catch (const Interrupted&) {
+      if (!given_up) throw;
+      return;
+    } catch (...) {
+      const std::lock_guard lock(mutex);
+      if (!reason) reason = std::current_exception();
+      given_up = true;
+      return;
+    }
     const std::lock_guard lock(mutex);
     failed += outcome.usable() ? 0 : 1;
     outcomes.emplace(open[i], std::move(outcome));
     report();
   });
+  if (reason) std::rethrow_exception(reason);
   std::vector<RunOutcome> result;
   for (const auto& key : keys) result.push_back(outcomes.at(key));
   return result;

@@ -16,6 +16,7 @@ std::optional<RunOutcome> read_outcome(const std::filesystem::path& file) {
     RunOutcome outcome;
     outcome.key = file.parent_path().filename().string();
     outcome.wall_time_s = json.at("wall_time_s").get<double>();
+    outcome.exceeded_limit_s = json.at("exceeded_limit_s").get<double>();
     auto& m = outcome.measurement;
     m.failure = json.at("failure").get<std::string>();
     m.kpis = json.at("kpis").get<std::map<std::string, double>>();
@@ -38,7 +39,8 @@ void write_outcome(const std::filesystem::path& file, const RunOutcome& outcome,
                             {"details", m.details},
                             {"warnings", m.warnings},
                             {"engine", engine},
-                            {"wall_time_s", outcome.wall_time_s}};
+                            {"wall_time_s", outcome.wall_time_s},
+                            {"exceeded_limit_s", outcome.exceeded_limit_s}};
   // A message of the engine may hold bytes that are not UTF-8; they are replaced, not refused.
   write_file_atomically(file,
                         json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");

@@ -101,6 +101,24 @@ void throw_if_not_the_run(int code, const std::string& message,
     throw Error(ErrorKind::internal, text);
 }
 
+/// Somebody ended the engine: the machine shutting down, the kernel out of memory, a user. That too
+/// says nothing about the run, which is done again when the study goes on.
+void throw_if_killed(int status, const std::filesystem::path& program) {
+  const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : WEXITSTATUS(status) - 128;
+  for (const int from_outside : {SIGKILL, SIGTERM, SIGINT, SIGHUP})
+    if (signal == from_outside)
+      throw SimulationError(
+          fmt::format("{} was killed by signal {}, not by us (out of memory? a shutdown?); nothing "
+                      "is lost, the same "
+                      "command goes on",
+                      program.filename().string(), signal));
+}
+
+/// Names a build of the engine: two builds may differ in physics under the same version.
+std::string content_of(const std::filesystem::path& program) {
+  return fmt::format("{:016x}", content_hash(read_file(program)));
+}
+
 }  // namespace
 
 BundledEngine::BundledEngine(std::filesystem::path program)
@@ -108,10 +126,11 @@ BundledEngine::BundledEngine(std::filesystem::path program)
   if (!is_executable(program_))
     throw StorageError(
         fmt::format("the engine {} cannot be run; check the path", program_.string()));
+  name_ = fmt::format("bundled {} build {}", version(), content_of(program_));
 }
 
 std::string BundledEngine::name() const {
-  return fmt::format("bundled {}", version());
+  return name_;
 }
 
 EngineExit BundledEngine::run(const EngineJob& job) const {
@@ -138,7 +157,7 @@ EngineExit BundledEngine::run(const EngineJob& job) const {
     }
     const double now = elapsed();
     if (ended_at < 0.0) {
-      const bool cancelled = job.cancelled != nullptr && *job.cancelled;
+      const bool cancelled = job.cancelled && job.cancelled();
       const bool late = job.time_limit_s > 0.0 && now > job.time_limit_s;
       if (cancelled || late) {
         result.status = cancelled ? EngineStatus::cancelled : EngineStatus::timed_out;
@@ -152,7 +171,9 @@ EngineExit BundledEngine::run(const EngineJob& job) const {
   }
   ::kill(-child, SIGKILL);  // whatever it may have left behind in its group
   result.wall_time_s = elapsed();
-  if (ended_at >= 0.0) {
+  if (ended_at < 0.0 && job.cancelled && job.cancelled())
+    result.status = EngineStatus::cancelled;  // both of us were told to stop, the engine was faster
+  if (ended_at >= 0.0 || result.status == EngineStatus::cancelled) {
     result.message =
         result.status == EngineStatus::timed_out
             ? fmt::format("it exceeded the time limit of {}", duration_text(job.time_limit_s))
@@ -160,6 +181,7 @@ EngineExit BundledEngine::run(const EngineJob& job) const {
   } else if (WIFEXITED(status) && WEXITSTATUS(status) == 0) {
     result.status = EngineStatus::finished;
   } else {
+    throw_if_killed(status, program_);
     if (WIFEXITED(status)) throw_if_not_the_run(WEXITSTATUS(status), last_line(log), program_);
     result.message = WIFEXITED(status)
                          ? last_line(log)

@@ -54,6 +54,25 @@ double heap_end_m(const Profile& heap, double side, double wall_m, double floor_
   return wall_m;
 }
 
+/// The lengths that the KPIs need, from the walls of the case that was run: the scenario's own may
+/// have been overridden.
+struct Rig {
+  double half_width_m, half_slot_m, half_lower_m, floor_m;
+};
+
+Rig rig_of(const scene::Case& scene) {
+  const auto wall = [&](const char* name) -> const scene::Wall& {
+    const auto found = scene::walls_named(scene, name);
+    if (found.empty())
+      throw InputError(fmt::format("the run has no wall \"{}\"; it is not a draw-down", name));
+    return scene.walls[static_cast<std::size_t>(found.front())];
+  };
+  return {.half_width_m = wall("upper_right").origin.x(),
+          .half_slot_m = wall("floor_right").origin.x(),
+          .half_lower_m = wall("lower_right").origin.x(),
+          .floor_m = wall("lower_floor").origin.z()};
+}
+
 /// When the gate opened: the end of the stage before the discharge.
 double opening_time_s(const scene::Run& run) {
   for (const auto& stage : run.summary().stages)
@@ -123,12 +142,12 @@ Measurement Drawdown::measure(const scene::Run& run) const {
         fraction < 0.005 ? "nothing flowed" : "the outlet jammed", fraction, kJammed);
     return m;
   }
-  const double half = 0.5 * width_m, slot = 0.5 * outlet_m, wall = 0.5 * lower_width_m;
+  const auto [half, slot, wall, floor] = rig_of(run.scene());
   const auto slope = silhouette(s.upper, -half, half, kColumn_m);
   const auto left = fit_line(slope, -half, -slot), right = fit_line(slope, slot, half);
   const auto heap = silhouette(s.lower, -wall, wall, kColumn_m);
-  const double end_left = heap_end_m(heap, -1.0, wall, -drop_m, s.largest_diameter_m);
-  const double end_right = heap_end_m(heap, 1.0, wall, -drop_m, s.largest_diameter_m);
+  const double end_left = heap_end_m(heap, -1.0, wall, floor, s.largest_diameter_m);
+  const double end_right = heap_end_m(heap, 1.0, wall, floor, s.largest_diameter_m);
   const auto heap_left = fit_line(heap, -end_left, 0.0),
              heap_right = fit_line(heap, 0.0, end_right);
   // Downwards to the slot above, upwards to the axis below: a slope of the wrong sign counts

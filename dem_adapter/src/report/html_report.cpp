@@ -61,6 +61,10 @@ std::string percent(double fraction) {
   return std::isfinite(fraction) ? fmt::format("{:+.2f} %", 100.0 * fraction) : "-";
 }
 
+std::string share(double fraction) {
+  return std::isfinite(fraction) ? fmt::format("{:.2f} %", 100.0 * fraction) : "-";
+}
+
 std::string with_spread(double value, double spread) {
   return std::isfinite(value) ? fmt::format("{:.4g} ± {:.2g}", value, spread) : "-";
 }
@@ -195,14 +199,13 @@ std::string error_map(const Study& study, const Calibration& result) {
   };
   const auto& px = study.space.parameters()[declared(u)];
   const auto& py = study.space.parameters()[declared(v)];
+  Vector natural(static_cast<Eigen::Index>(study.space.dimension()));
+  for (std::size_t i = 0; i < study.space.dimension(); ++i)
+    natural[static_cast<Eigen::Index>(i)] = result.values.at(study.space.parameters()[i].name);
+  const Vector full = study.space.to_unit(natural);
   Vector optimum(static_cast<Eigen::Index>(names.size()));
-  for (std::size_t k = 0; k < names.size(); ++k) {
-    const auto& p = study.space.parameters()[declared(k)];
-    const double value = result.values.at(p.name);
-    optimum[static_cast<Eigen::Index>(k)] =
-        p.scale == Scale::log ? std::log(value / p.lower) / std::log(p.upper / p.lower)
-                              : (value - p.lower) / (p.upper - p.lower);
-  }
+  for (std::size_t k = 0; k < names.size(); ++k)
+    optimum[static_cast<Eigen::Index>(k)] = full[static_cast<Eigen::Index>(declared(k))];
   Matrix points = optimum.transpose().replicate(kCells * kCells, 1);
   for (int i = 0; i < kCells; ++i)
     for (int j = 0; j < kCells; ++j) {
@@ -273,10 +276,10 @@ std::string html_report(const Study& study, const Calibration& result) {
       "charset=\"utf-8\"><title>{0}</title>\n<style>{1}</style></head>"
       "<body>\n<h1>{0}</h1>\n<p>Calibrated by repose {2}: {3} runs, {4} failed. Weighted error: "
       "expected {5:.2f} %, "
-      "verified {6:.2f} %, best screening point {7:.2f} %.</p>\n",
+      "verified {6}, best screening point {7}.</p>\n",
       escaped(study.title), kStyle, version(), result.data.observations.size(),
-      result.data.failed(), 100.0 * result.predicted_error, 100.0 * result.verified_error,
-      100.0 * result.baseline_error);
+      result.data.failed(), 100.0 * result.predicted_error, share(result.verified_error),
+      share(result.baseline_error));
   if (!remarks.empty()) html += fmt::format("<ul>\n{}</ul>\n", remarks);
   html += section("Result",
                   "Predicted: mean of the surrogate and its standard deviation. Verified: mean of "

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "repose/base/text.hpp"
 #include "repose/dem_adapter/calibration.hpp"
@@ -10,6 +11,8 @@
 
 namespace repose::dem_adapter {
 namespace {
+
+constexpr std::size_t kBlock = 3;  // KPIs beside each other in 100 columns
 
 /// Width of the longest name, at least that of `heading`.
 template <class Range, class Name>
@@ -21,6 +24,16 @@ std::size_t width_of(const Range& range, Name name, std::string_view heading) {
 
 std::string percent(double fraction) {
   return std::isfinite(fraction) ? fmt::format("{:+.1f} %", 100.0 * fraction) : "-";
+}
+
+std::string share(double fraction) {
+  return std::isfinite(fraction) ? fmt::format("{:.2f} %", 100.0 * fraction) : "-";
+}
+
+std::string noise_text(const doe::VarianceDecomposition& variance) {
+  return std::isfinite(variance.unbiased_share)
+             ? fmt::format("{:.0f} %", 100.0 * (1.0 - variance.unbiased_share))
+             : "-";
 }
 
 std::string p_text(double p) {
@@ -37,11 +50,10 @@ std::string plan_text(const Study& study, unsigned workers, double seconds_per_r
                       fmt::format("definitive screening design of {} parameters, {} repetition{}",
                                   study.space.dimension(), study.screening.repetitions,
                                   study.screening.repetitions == 1 ? "" : "s"));
-  text +=
-      fmt::format("  {:<12} {:<10} {:>5} runs  {}\n", "sampling", "at most", counts.sampling,
-                  fmt::format("Latin hypercube, {} points a parameter that matters, {} run{} each",
-                              study.sampling.points_per_parameter, study.sampling.repetitions,
-                              study.sampling.repetitions == 1 ? "" : "s"));
+  text += fmt::format("  {:<12} {:<10} {:>5} runs  {}\n", "sampling", "at most", counts.sampling,
+                      fmt::format("Latin hypercube, {} points for each that matters, {} run{} each",
+                                  study.sampling.points_per_parameter, study.sampling.repetitions,
+                                  study.sampling.repetitions == 1 ? "" : "s"));
   text += fmt::format(
       "  {:<12} {:<10} {:>5} runs  {}\n", "adaptive", "at most", counts.adaptive,
       fmt::format("expected improvement, {} batches of {} points, until R2 = {}",
@@ -70,41 +82,56 @@ std::string plan_text(const Study& study, unsigned workers, double seconds_per_r
 
 std::string screening_text(const doe::Screening& screening) {
   const auto width = width_of(
-      screening.factors, [](const auto& n) { return n; }, "parameter");
+      screening.factors, [](const auto& n) { return n; }, "share of noise");
   std::string text = fmt::format(
-      "\nWhat matters: times significant in {} repetition{} (pooled p), sign of the effect\n\n  "
-      "{:<{}}",
-      screening.repetitions, screening.repetitions == 1 ? "" : "s", "parameter", width);
-  for (const auto& r : screening.responses) text += fmt::format("  {:>21}", r.response);
-  text += "  chosen\n";
-  for (std::size_t i = 0; i < screening.factors.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    text += fmt::format("  {:<{}}", screening.factors[i], width);
-    for (const auto& r : screening.responses)
-      text += fmt::format("  {:>21}",
-                          fmt::format("{:.0f} ({}) {}", r.count[k], p_text(r.pooled_p_value[k]),
-                                      r.sign[k] > 0 ? '+' : '-'));
-    text += screening.selected[i] ? "  yes\n" : "  no\n";
+      "\nWhat matters: times significant in {} repetition{} (pooled p), sign of the effect\n",
+      screening.repetitions, screening.repetitions == 1 ? "" : "s");
+  const auto& responses = screening.responses;
+  for (std::size_t from = 0; from < responses.size(); from += kBlock) {
+    const auto block =
+        std::span(responses).subspan(from, std::min(kBlock, responses.size() - from));
+    const bool last = from + kBlock >= responses.size();
+    text += fmt::format("\n  {:<{}}", "parameter", width);
+    for (const auto& r : block) text += fmt::format("  {:>19}", r.response);
+    text += last ? "  chosen\n" : "\n";
+    for (std::size_t i = 0; i < screening.factors.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      text += fmt::format("  {:<{}}", screening.factors[i], width);
+      for (const auto& r : block)
+        text += fmt::format("  {:>19}",
+                            fmt::format("{:.0f} ({}) {}", r.count[k], p_text(r.pooled_p_value[k]),
+                                        r.sign[k] > 0 ? '+' : '-'));
+      if (last) text += screening.selected[i] ? "  yes" : "  no";
+      text += "\n";
+    }
+    text += fmt::format("  {:<{}}", "share of noise", width);
+    for (const auto& r : block) text += fmt::format("  {:>19}", noise_text(r.variance));
+    text += "\n";
   }
-  text += fmt::format("  {:<{}}", "share of noise", width);
-  for (const auto& r : screening.responses)
-    text +=
-        fmt::format("  {:>21}", fmt::format("{:.0f} %", 100.0 * (1.0 - r.variance.unbiased_share)));
-  return text + "\n";
+  return text;
+}
+
+std::string history_text(const Study& study, const Calibration& result) {
+  std::string text = "\nSurrogates: R2 of left-out points\n";
+  const auto& targets = study.targets;
+  for (std::size_t from = 0; from < targets.size(); from += kBlock) {
+    const auto to = std::min(from + kBlock, targets.size());
+    const bool last = to == targets.size();
+    text += fmt::format("\n  {:<8} {:>5}", "batch", "runs");
+    for (std::size_t j = from; j < to; ++j) text += fmt::format("  {:>19}", targets[j].target.name);
+    text += last ? "  expected error\n" : "\n";
+    for (const auto& step : result.history) {
+      text += fmt::format("  {:<8} {:>5}", step.batch == 0 ? "initial" : std::to_string(step.batch),
+                          step.runs);
+      for (std::size_t j = from; j < to; ++j) text += fmt::format("  {:>19.3f}", step.r2[j]);
+      text += last ? fmt::format("  {:>12.2f} %\n", 100.0 * step.best_expected_error) : "\n";
+    }
+  }
+  return text + fmt::format("\n  Stopped because {}.\n", result.stop_reason);
 }
 
 std::string result_text(const Study& study, const Calibration& result) {
-  std::string text = "\nSurrogates: R2 of left-out points\n\n";
-  text += fmt::format("  {:<8} {:>5}", "batch", "runs");
-  for (const auto& t : study.targets) text += fmt::format("  {:>20}", t.target.name);
-  text += fmt::format("  {:>14}\n", "expected error");
-  for (const auto& step : result.history) {
-    text += fmt::format("  {:<8} {:>5}", step.batch == 0 ? "initial" : std::to_string(step.batch),
-                        step.runs);
-    for (const double r2 : step.r2) text += fmt::format("  {:>20.3f}", r2);
-    text += fmt::format("  {:>13.2f}%\n", 100.0 * step.best_expected_error);
-  }
-  text += fmt::format("  Stopped because {}.\n", result.stop_reason);
+  std::string text = history_text(study, result);
 
   const auto width = width_of(
       result.parameters, [](const auto& p) { return p.name; }, "parameter");
@@ -136,9 +163,9 @@ std::string result_text(const Study& study, const Calibration& result) {
   text += fmt::format(
       "  predicted ± standard deviation of the mean; verified ± that of one run ({} fresh runs)\n",
       n);
-  text += fmt::format(
-      "\n  weighted error: expected {:.2f} %, verified {:.2f} %; best screening point {:.2f} %\n",
-      100.0 * result.predicted_error, 100.0 * result.verified_error, 100.0 * result.baseline_error);
+  text += fmt::format("\n  weighted error: expected {}, verified {}; best screening point {}\n",
+                      share(result.predicted_error), share(result.verified_error),
+                      share(result.baseline_error));
   if (!result.remarks.empty()) {
     text += "\nNote\n";
     for (const auto& remark : result.remarks) text += fmt::format("  - {}\n", remark);

@@ -84,15 +84,13 @@ struct Calibration {
   double verified_error = 0.0;   ///< weighted error of the verified means
   double baseline_error = 0.0;   ///< of the best screening point, same seeds
   Vector baseline_unit;
-  int genetic_generations = 0;
-  std::string genetic_message;
   std::vector<std::string> remarks;  ///< sentences a reader must know: targets not reached, ridges
   Dataset data;
 };
 
-/// Runs the study in the campaign's directory. Every decision follows from the study and the
-/// outcomes of runs, which are kept there: the same call goes on after any interruption. Throws
-/// Interrupted, Errors.
+/// Runs the study in the campaign's directory, where it keeps runs.h5 up to date. Every decision
+/// follows from the study and the outcomes of runs, which are kept there: the same call goes on
+/// after any interruption. Throws Interrupted, Errors.
 Calibration calibrate(const Study& study, const Campaign& campaign,
                       const CalibrationObserver& observer);
 

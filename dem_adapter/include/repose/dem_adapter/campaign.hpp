@@ -5,6 +5,7 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@ struct RunOutcome {
   std::string key;  ///< folder under runs/
   Measurement measurement;
   double wall_time_s = 0.0;
+  double exceeded_limit_s = 0.0;  ///< the time limit that ended it; 0: it ended by itself
   bool usable() const { return measurement.failure.empty(); }
 };
 
@@ -41,7 +43,8 @@ struct Interrupted : std::exception {
 
 /// A directory of runs. Layout: runs/KEY/{case.toml, engine.log, output/, outcome.json};
 /// outcome.json is written last and atomically, so a folder without it is a run that did not finish
-/// and is done again. A failed run has an outcome too, with its reason, and is not repeated.
+/// and is done again. A failed run has an outcome too, with its reason, and is not repeated, unless
+/// it ran out of time and the limit is higher now.
 class Campaign {
  public:
   /// Takes the directory's lock. Throws StorageError if it cannot be made or another process has
@@ -62,7 +65,11 @@ class Campaign {
 
  private:
   std::string key_of(const std::string& case_text) const;
-  RunOutcome run_one(const std::string& key, const std::string& case_text) const;
+  /// A recorded outcome that still stands.
+  std::optional<RunOutcome> recorded(const std::string& key, const std::string& case_text) const;
+  RunOutcome run_one(const std::string& key, const std::string& case_text,
+                     const std::atomic<bool>& given_up) const;
+  Measurement measured(const std::filesystem::path& output) const;
 
   std::filesystem::path directory_;
   Engine engine_;

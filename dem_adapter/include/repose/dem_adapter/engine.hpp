@@ -1,9 +1,9 @@
 // An engine runs one case in one folder; whoever has these members is one.
 #pragma once
 
-#include <atomic>
 #include <concepts>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -16,8 +16,8 @@ enum class EngineStreams { to_log, inherited };
 /// `directory`/output and its log `directory`/engine.log.
 struct EngineJob {
   std::filesystem::path directory;
-  double time_limit_s = 0.0;                     ///< 0: none
-  const std::atomic<bool>* cancelled = nullptr;  ///< becomes true when the run is to be given up
+  double time_limit_s = 0.0;        ///< 0: none
+  std::function<bool()> cancelled;  ///< asked often; true when the run is to be given up
   EngineStreams streams = EngineStreams::to_log;
 };
 
@@ -41,7 +41,7 @@ class Engine {
   template <EngineLike E>
   requires(!std::same_as<std::remove_cvref_t<E>, Engine>) Engine(E engine)
       : model_(std::make_shared<const Model<E>>(std::move(engine))) {}
-  /// With its version: part of what names a run.
+  /// With its version and build: part of what names a run.
   std::string name() const { return model_->name(); }
   EngineExit run(const EngineJob& job) const { return model_->run(job); }
 
@@ -69,11 +69,13 @@ class BundledEngine {
   /// there is none.
   explicit BundledEngine(std::filesystem::path program = {});
   std::string name() const;
-  /// Throws the Error of the engine where no run could succeed: bad input, a full disk.
+  /// Throws the Error of the engine where no run could succeed (bad input, a full disk) and
+  /// SimulationError where it was killed by somebody else: neither says anything about the run.
   EngineExit run(const EngineJob& job) const;
 
  private:
   std::filesystem::path program_;
+  std::string name_;
 };
 
 }  // namespace repose::dem_adapter

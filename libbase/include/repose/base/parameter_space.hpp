@@ -59,11 +59,6 @@ class ParameterSpace {
   /// Every value that a simulation needs: free ones as given, fixed ones, tied ones computed.
   ParameterValues complete(const Vector& natural) const;
 
-  /// The same space with only `names` free, in this order; the other free ones are fixed at
-  /// `values`.
-  ParameterSpace restricted_to(const std::vector<std::string>& names,
-                               const ParameterValues& values) const;
-
  private:
   std::vector<Parameter> free_;
   ParameterValues fixed_;

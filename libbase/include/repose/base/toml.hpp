@@ -56,7 +56,6 @@ class TomlTable {
   std::optional<TomlTable> table_if_present(std::string_view key) const;
   /// An array of tables, `[[key]]` or `key = [{...}, ...]`; empty if absent.
   std::vector<TomlTable> tables(std::string_view key) const;
-  bool is_number(std::string_view key) const;
   bool is_table(std::string_view key) const;
 
   /// Throws InputError about `key` of this table ("" for the table itself), with file and line.

@@ -69,6 +69,10 @@ struct ProposeOptions {
   Matrix visited;
   /// Points that are being simulated: believed to be what the surrogates predict.
   Matrix pending;
+  /// Points whose simulation failed: no value is known there and none is believed; proposals keep
+  /// failed_distance (largest coordinate difference) away from them.
+  Matrix failed;
+  double failed_distance = 0.1;
   Repeats repeats = Repeats::avoid;
   /// Largest coordinate difference below which two points are the same, for Repeats::avoid.
   double minimum_distance = 1e-3;
