@@ -72,7 +72,8 @@ std::map<std::string, double> hidden_targets(const Workbench& bench) {
         bench.run("repose", "simulate scenario.toml --json --seed " + std::to_string(seed) +
                                 settings + " -o hidden" + std::to_string(seed));
     EXPECT_EQ(said.code, 0) << said.err;
-    for (const auto& [name, value] : nlohmann::json::parse(said.out).at("kpis").items())
+    const auto json = nlohmann::json::parse(said.out);
+    for (const auto& [name, value] : json.at("kpis").items())
       means[name] += value.get<double>() / kSeeds;
   }
   return means;
