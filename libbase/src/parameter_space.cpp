@@ -8,6 +8,7 @@
 
 #include "repose/base/error.hpp"
 #include "repose/base/text.hpp"
+#include "repose/base/toml.hpp"
 
 namespace repose {
 namespace {
@@ -49,6 +50,19 @@ std::vector<Tie> in_computable_order(std::vector<Tie> ties, std::set<std::string
 }
 
 }  // namespace
+
+Parameter read_parameter(const TomlTable& parameters, const std::string& name) {
+  const auto table = parameters.table(name);
+  Parameter p{.name = name, .lower = table.number("lower"), .upper = table.number("upper")};
+  if (table.choice_or("scale", "linear", {"linear", "log"}) == "log") p.scale = Scale::log;
+  p.unit = table.text_or("unit", "1");
+  if (p.lower >= p.upper)
+    table.fail("lower", fmt::format("{} is not below upper = {}; swap or widen them",
+                                    shortest(p.lower), shortest(p.upper)));
+  if (p.scale == Scale::log && p.lower <= 0.0)
+    table.fail("lower", fmt::format("{} has no logarithm; it must be above 0", shortest(p.lower)));
+  return p;
+}
 
 ParameterSpace::ParameterSpace(std::vector<Parameter> free, ParameterValues fixed,
                                std::vector<Tie> ties)

@@ -150,6 +150,14 @@ class SyntheticRun {
   double fraction_ = 0.0, rate_ = 0.0;
 };
 
+TEST(KpiLabel, ReadsTheUnitFromTheName) {
+  EXPECT_EQ(label_of("mass_flow_kg_s").unit, "kg/s");
+  EXPECT_EQ(label_of("angle_of_repose_deg").words, "angle of repose");
+  EXPECT_EQ(label_of("bulk_density_kg_m3").unit, "kg/m3");
+  EXPECT_EQ(label_of("discharged_mass_kg").unit, "kg");
+  EXPECT_EQ(label_of("discharged_fraction").unit, "1");
+}
+
 TEST(DrawdownKpis, OfKnownSlopesAreTheirAngles) {
   for (const auto& [shear, repose] : {std::pair{42.5, 29.5}, std::pair{25.0, 20.0}}) {
     const test::TemporaryDirectory directory;

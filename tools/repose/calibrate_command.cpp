@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <thread>
 
 #include "command.hpp"
@@ -25,6 +26,7 @@ struct CalibrateOptions {
   std::string study;
   std::string output;
   unsigned workers = 0;
+  std::optional<std::uint64_t> seed;
   bool dry_run = false;
 };
 
@@ -83,6 +85,7 @@ class Terminal {
 
 void calibrate_study(const CalibrateOptions& options) {
   auto study = read_study(options.study);
+  if (options.seed) study.seed = *options.seed;
   if (options.workers > 0) study.compute.workers = options.workers;
   if (study.compute.workers == 0)
     study.compute.workers = std::max(1U, std::thread::hardware_concurrency());
@@ -126,6 +129,8 @@ void add_calibrate(CLI::App& app) {
   command->add_option("-o,--output", o->output, "folder of the runs and results")->required();
   command->add_option("--workers", o->workers, "runs at once; 0: one for each processor")
       ->check(CLI::Range(0, 4096));
+  command->add_option("--seed", o->seed, "in place of the study's")
+      ->check(CLI::Range(0L, 9223372036854775807L));
   command->add_flag("--dry-run", o->dry_run, "print the plan and its cost, run nothing");
   command->callback([o] { calibrate_study(*o); });
 }

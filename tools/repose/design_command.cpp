@@ -29,13 +29,7 @@ ParameterSpace read_factors(const std::string& file) {
   const auto root = TomlTable::read_file(file);
   const auto table = root.table("parameters");
   std::vector<Parameter> parameters;
-  for (const auto& name : table.keys()) {
-    const auto p = table.table(name);
-    Parameter parameter{.name = name, .lower = p.number("lower"), .upper = p.number("upper")};
-    if (p.choice_or("scale", "linear", {"linear", "log"}) == "log") parameter.scale = Scale::log;
-    parameter.unit = p.text_or("unit", "1");
-    parameters.push_back(std::move(parameter));
-  }
+  for (const auto& name : table.keys()) parameters.push_back(read_parameter(table, name));
   root.refuse_unknown_keys();
   if (parameters.empty()) table.fail("", "there are no parameters; give at least one");
   return ParameterSpace(std::move(parameters));

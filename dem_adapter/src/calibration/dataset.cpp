@@ -102,8 +102,11 @@ table::Table Dataset::table(const Study& study) const {
   for (std::size_t i = 0; i < parameters.size(); ++i)
     result.add(table::factor_column(parameters[i], factors[i]));
   for (std::size_t i = 0; i < kpi_names.size(); ++i)
-    result.add(
-        Column{.name = kpi_names[i], .role = Role::response, .range = {}, .values = kpis[i]});
+    result.add(Column{.name = kpi_names[i],
+                      .unit = label_of(kpi_names[i]).unit,
+                      .role = Role::response,
+                      .range = {},
+                      .values = kpis[i]});
   result.add(Column{.name = "failure", .role = Role::none, .range = {}, .values = failure});
   result.add(Column{.name = "run", .role = Role::none, .range = {}, .values = key});
   result.add(Column{

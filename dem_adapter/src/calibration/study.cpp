@@ -71,14 +71,7 @@ ParameterSpace read_space(const TomlTable& root, const std::vector<std::string>&
   for (const auto& name : parameters.keys()) {
     check_name(parameters, name, kpis);
     check_known(parameters, name, known, sources);
-    const auto p = parameters.table(name);
-    Parameter parameter{.name = name, .lower = p.number("lower"), .upper = p.number("upper")};
-    if (p.choice_or("scale", "linear", {"linear", "log"}) == "log") parameter.scale = Scale::log;
-    parameter.unit = p.text_or("unit", "1");
-    if (parameter.lower >= parameter.upper)
-      p.fail("lower", fmt::format("{} is not below upper = {}; swap or widen them",
-                                  shortest(parameter.lower), shortest(parameter.upper)));
-    free.push_back(std::move(parameter));
+    free.push_back(read_parameter(parameters, name));
   }
   if (free.size() < kFewestFactors || free.size() > kMostFactors)
     parameters.fail("", fmt::format("there are {} parameters; a screening needs {} to {}",
@@ -136,8 +129,10 @@ void read_plans(const TomlTable& root, Study& study) {
     plan.analysis.vote_share = t->number_or("vote", plan.analysis.vote_share, kShare);
     if (t->choice_or("method", "stepwise", {"stepwise", "fit-dsd"}) == "fit-dsd")
       plan.analysis.method = doe::ScreeningOptions::Method::fit_dsd;
-    if (t->choice_or("terms", "second-order", {"main", "second-order"}) == "main")
-      plan.analysis.candidates = doe::CandidateTerms::main_effects;
+    if (t->choice_or("terms", "main", {"main", "second-order"}) == "second-order") {
+      plan.analysis.candidates = doe::CandidateTerms::main_and_second_order;
+      plan.analysis.direction = doe::StepDirection::mixed;  // more candidates than runs
+    }
   }
   if (const auto t = root.table_if_present("sampling")) {
     auto& plan = study.sampling;

@@ -42,19 +42,9 @@ std::string section(const std::string& heading, const std::string& explanation,
                      escaped(explanation), body);
 }
 
-/// A KPI's values for the axis of a figure: name without its unit suffix, and the unit.
 plot::Axis axis_of(const std::string& kpi) {
-  static const std::vector<std::pair<std::string, std::string>> kUnits{
-      {"_deg", "deg"}, {"_kg_s", "kg/s"}, {"_kg", "kg"}, {"_kg_m3", "kg/m3"}};
-  for (const auto& [suffix, unit] : kUnits)
-    if (kpi.size() > suffix.size() && kpi.ends_with(suffix)) {
-      auto name = kpi.substr(0, kpi.size() - suffix.size());
-      std::replace(name.begin(), name.end(), '_', ' ');
-      return {.label = name, .unit = unit};
-    }
-  auto name = kpi;
-  std::replace(name.begin(), name.end(), '_', ' ');
-  return {.label = name};
+  const auto label = label_of(kpi);
+  return {.label = label.words, .unit = label.unit};
 }
 
 std::string percent(double fraction) {

@@ -18,4 +18,11 @@ struct Measurement {
   std::vector<std::string> warnings;
 };
 
+/// A KPI's name in words and the unit that its suffix names: mass_flow_kg_s is "mass flow", "kg/s".
+struct KpiLabel {
+  std::string words;
+  std::string unit;  ///< "1" if the name has no unit
+};
+KpiLabel label_of(const std::string& kpi);
+
 }  // namespace repose::dem_adapter

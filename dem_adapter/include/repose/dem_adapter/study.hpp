@@ -18,7 +18,11 @@ namespace repose::dem_adapter {
 struct ScreeningPlan {
   int repetitions = 3;   ///< of the whole design, each with its own seeds
   int fake_factors = 2;  ///< extra columns of the design, each two degrees of freedom for error
-  doe::ScreeningOptions analysis;
+  /// Main effects by backward elimination: in these designs they are free of second-order effects,
+  /// and a forward search from the empty model stops before its first step where several effects
+  /// are strong.
+  doe::ScreeningOptions analysis{.candidates = doe::CandidateTerms::main_effects,
+                                 .direction = doe::StepDirection::backward};
 };
 
 struct SamplingPlan {

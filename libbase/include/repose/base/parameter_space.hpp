@@ -13,6 +13,8 @@ using Vector = Eigen::VectorXd;
 /// Rows are points, columns are dimensions.
 using Matrix = Eigen::MatrixXd;
 
+class TomlTable;
+
 enum class Scale { linear, log };
 
 /// A parameter that may vary in [lower, upper].
@@ -23,6 +25,10 @@ struct Parameter {
   Scale scale = Scale::linear;
   std::string unit = "1";
 };
+
+/// Reads NAME = { lower, upper, scale = "linear" | "log", unit }. Throws InputError with file and
+/// line.
+Parameter read_parameter(const TomlTable& parameters, const std::string& name);
 
 /// A parameter whose value is the mean of others: one source makes them equal, the thesis' rule
 /// mu_s_ps = (mu_s_pp + mu_s_ss)/2 has two.
