@@ -8,7 +8,7 @@ function(repose_test name)
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE repose_options ${ARG_LINK} fmt::fmt-header-only GTest::gtest_main)
-  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)  # compiles faster, runs as fast
+  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)  # their time goes into compiling
   target_compile_definitions(${name} PRIVATE
     REPOSE_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data" REPOSE_BIN="${PROJECT_BINARY_DIR}/bin"
     REPOSE_SOURCE_DIR="${PROJECT_SOURCE_DIR}" ${ARG_DEFINES})

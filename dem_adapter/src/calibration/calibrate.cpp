@@ -189,10 +189,8 @@ Calibration calibrate(const Study& study, const Campaign& campaign,
   result.parameters = parameter_ranges(study, result.surrogates, visited, optimum);
   const Vector optimum_full = embed(study, parameters, optimum.unit.transpose()).row(0).transpose();
   result.values = study.space.complete(study.space.from_unit(optimum_full));
-  for (std::size_t j = 0; j < result.kpis.size(); ++j) {
+  for (std::size_t j = 0; j < result.kpis.size(); ++j)
     result.kpis[j].predicted = result.surrogates.models[j].predict(optimum.unit);
-    result.kpis[j].noise_deviation = std::sqrt(result.surrogates.models[j].noise_variance());
-  }
   for (const auto& p : result.parameters)
     if (p.is_ridge())
       result.remarks.push_back(fmt::format(

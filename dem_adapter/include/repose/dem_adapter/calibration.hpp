@@ -59,8 +59,7 @@ struct MeanAndDeviation {
 
 struct CalibratedKpi {
   MeasuredTarget target;
-  Gaussian predicted;            ///< of the function, by the surrogate
-  double noise_deviation = 0.0;  ///< of one run, estimated by the surrogate
+  Gaussian predicted;  ///< of the function, by the surrogate
   MeanAndDeviation verified;
   MeanAndDeviation baseline;                     ///< at the best screening point
   double lowest_seen = 0.0, highest_seen = 0.0;  ///< over all runs before verification
