@@ -36,10 +36,12 @@ std::vector<Wall> box_walls(const std::string& name, const std::string& material
     Wall wall;
     wall.name = name + "." + kFaces[f];
     wall.material = material;
-    wall.origin = lower;
-    if (f % 2 == 1) wall.origin[axis] = upper[axis];
-    wall.edge_u[u] = upper[u] - lower[u];
-    wall.edge_v[v] = upper[v] - lower[v];
+    Rectangle face;
+    face.origin = lower;
+    if (f % 2 == 1) face.origin[axis] = upper[axis];
+    face.edge_u[u] = upper[u] - lower[u];
+    face.edge_v[v] = upper[v] - lower[v];
+    wall.shape = face;
     walls.push_back(wall);
   }
   return walls;

@@ -60,14 +60,11 @@ Wall read_wall(const TomlTable& table) {
   Wall wall;
   wall.name = table.text("name");
   wall.material = table.text("material");
-  wall.origin = vector3(table, "origin_m");
-  if (table.choice("shape", {"plane", "rectangle"}) == "plane") {
-    wall.shape = WallShape::plane;
-    wall.normal = vector3(table, "normal");
-  } else {
-    wall.edge_u = vector3(table, "edge_u_m");
-    wall.edge_v = vector3(table, "edge_v_m");
-  }
+  const Vec3 origin = vector3(table, "origin_m");
+  if (table.choice("shape", {"plane", "rectangle"}) == "plane")
+    wall.shape = Plane{origin, vector3(table, "normal")};
+  else
+    wall.shape = Rectangle{origin, vector3(table, "edge_u_m"), vector3(table, "edge_v_m")};
   return wall;
 }
 
@@ -117,9 +114,10 @@ Fill read_fill(const TomlTable& table) {
   fill.solid_fraction = table.number_or("solid_fraction", fill.solid_fraction, kPositive);
   for (const TomlTable& item : table.tables("layer")) {
     Layer layer;
-    layer.material = item.text("material");
     layer.mass_kg = item.number("mass_kg", kPositive);
-    for (const TomlTable& size : item.tables("sizes")) layer.sizes.push_back(read_size(size));
+    std::vector<SizeClass> sizes;
+    for (const TomlTable& size : item.tables("sizes")) sizes.push_back(read_size(size));
+    layer.mixture = {{.material = item.text("material"), .sizes = sizes}};
     fill.layers.push_back(layer);
   }
   return fill;
@@ -275,13 +273,16 @@ void write_geometry(Writer& out, const Case& scene) {
     out.heading("[[wall]]");
     out.put("name", wall.name);
     out.put("material", wall.material);
-    out.put("shape", std::string(wall.shape == WallShape::plane ? "plane" : "rectangle"));
-    out.put("origin_m", wall.origin);
-    if (wall.shape == WallShape::plane) {
-      out.put("normal", wall.normal);
+    if (const auto* plane = std::get_if<Plane>(&wall.shape)) {
+      out.put("shape", std::string("plane"));
+      out.put("origin_m", plane->origin);
+      out.put("normal", plane->normal);
     } else {
-      out.put("edge_u_m", wall.edge_u);
-      out.put("edge_v_m", wall.edge_v);
+      const auto& rectangle = std::get<Rectangle>(wall.shape);
+      out.put("shape", std::string("rectangle"));
+      out.put("origin_m", rectangle.origin);
+      out.put("edge_u_m", rectangle.edge_u);
+      out.put("edge_v_m", rectangle.edge_v);
     }
   }
   const char* const axes[3] = {"x", "y", "z"};
@@ -305,10 +306,10 @@ void write_particles(Writer& out, const Case& scene) {
     out.put("solid_fraction", scene.fill->solid_fraction);
     for (const Layer& layer : scene.fill->layers) {
       out.heading("[[fill.layer]]");
-      out.put("material", layer.material);
+      out.put("material", layer.mixture.front().material);
       out.put("mass_kg", layer.mass_kg);
       out.text += "sizes = [\n";
-      for (const SizeClass& size : layer.sizes)
+      for (const SizeClass& size : size_classes(layer.mixture.front().sizes))
         out.text += "  {lower_diameter_m = " + number(size.lower_diameter_m) +
                     ", upper_diameter_m = " + number(size.upper_diameter_m) +
                     ", mass_fraction = " + number(size.mass_fraction) + "},\n";

@@ -100,7 +100,7 @@ void check_pairs_present(const Case& scene) {
   std::set<int> all;
   if (scene.fill)
     for (const Layer& layer : scene.fill->layers)
-      grains.insert(material_index(scene, layer.material));
+      for (const Grains& kind : layer.mixture) grains.insert(material_index(scene, kind.material));
   for (const Particle& particle : scene.particles)
     grains.insert(material_index(scene, particle.material));
   all = grains;
@@ -118,17 +118,18 @@ void check_pairs_present(const Case& scene) {
 void check_wall_periodic(const Case& scene, const Wall& wall, int axis) {
   const std::string name = "wall \"" + wall.name + "\": ";
   const Vec3 direction = Vec3::Unit(axis);
-  if (wall.shape == WallShape::plane) {
-    if (std::abs(wall.normal.normalized().dot(direction)) > 1e-9)
+  if (const auto* plane = std::get_if<Plane>(&wall.shape)) {
+    if (std::abs(plane->normal.normalized().dot(direction)) > 1e-9)
       throw InputError(name + "its normal has a component along the periodic direction " +
                        kAxes[axis] + "; planes must be parallel to it");
     return;
   }
-  for (const Vec3& edge : {wall.edge_u, wall.edge_v}) {
+  const auto& rectangle = std::get<Rectangle>(wall.shape);
+  for (const Vec3& edge : {rectangle.edge_u, rectangle.edge_v}) {
     if (std::abs(edge[axis]) < (1.0 - 1e-9) * edge.norm()) continue;
     const double slack = 1e-9 * (scene.upper_m[axis] - scene.lower_m[axis]);
-    const double lower = std::min(wall.origin[axis], wall.origin[axis] + edge[axis]);
-    const double upper = std::max(wall.origin[axis], wall.origin[axis] + edge[axis]);
+    const double lower = std::min(rectangle.origin[axis], rectangle.origin[axis] + edge[axis]);
+    const double upper = std::max(rectangle.origin[axis], rectangle.origin[axis] + edge[axis]);
     if (lower <= scene.lower_m[axis] + slack && upper >= scene.upper_m[axis] - slack) return;
   }
   throw InputError(name + "must have an edge that spans the whole period from " +
@@ -141,19 +142,21 @@ void check_walls(const Case& scene) {
   for (const Wall& wall : scene.walls) {
     const std::string name = "wall \"" + wall.name + "\": ";
     material_index(scene, wall.material);
-    require_finite(name + "origin_m", wall.origin);
-    if (wall.shape == WallShape::plane) {
-      require_finite(name + "normal", wall.normal);
-      if (!(wall.normal.norm() > 0.0))
+    if (const auto* plane = std::get_if<Plane>(&wall.shape)) {
+      require_finite(name + "origin_m", plane->origin);
+      require_finite(name + "normal", plane->normal);
+      if (!(plane->normal.norm() > 0.0))
         throw InputError(name + "normal is zero; give the direction towards the particles");
     } else {
-      require_finite(name + "edge_u_m", wall.edge_u);
-      require_finite(name + "edge_v_m", wall.edge_v);
-      const double u = wall.edge_u.norm();
-      const double v = wall.edge_v.norm();
+      const auto& rectangle = std::get<Rectangle>(wall.shape);
+      require_finite(name + "origin_m", rectangle.origin);
+      require_finite(name + "edge_u_m", rectangle.edge_u);
+      require_finite(name + "edge_v_m", rectangle.edge_v);
+      const double u = rectangle.edge_u.norm();
+      const double v = rectangle.edge_v.norm();
       if (!(u > 0.0) || !(v > 0.0))
         throw InputError(name + "an edge has no length; give edge_u_m and edge_v_m");
-      if (std::abs(wall.edge_u.dot(wall.edge_v)) > 1e-9 * u * v)
+      if (std::abs(rectangle.edge_u.dot(rectangle.edge_v)) > 1e-9 * u * v)
         throw InputError(name + "edge_u_m and edge_v_m must be perpendicular");
     }
     for (int k = 0; k < 3; ++k)
@@ -174,12 +177,15 @@ void check_diameter(const Case& scene, const std::string& name, double diameter)
 void check_layer(const Case& scene, const Layer& layer, std::size_t number) {
   const std::string name = "fill.layer " + std::to_string(number + 1) + ": ";
   const Fill& fill = *scene.fill;
-  material_index(scene, layer.material);
   require_positive(name + "mass_kg", layer.mass_kg);
-  if (layer.sizes.empty())
+  if (layer.mixture.empty()) throw InputError(name + "has no particles; give their material");
+  const Grains& kind = layer.mixture.front();
+  material_index(scene, kind.material);
+  const std::vector<SizeClass> sizes = size_classes(kind.sizes);
+  if (sizes.empty())
     throw InputError(name + "has no sizes; add sizes = [{diameter_m = ..., mass_fraction = 1}]");
   double sum = 0.0;
-  for (const SizeClass& size : layer.sizes) {
+  for (const SizeClass& size : sizes) {
     require_positive(name + "lower_diameter_m", size.lower_diameter_m);
     require_positive(name + "upper_diameter_m", size.upper_diameter_m);
     require_positive(name + "mass_fraction", size.mass_fraction);
@@ -204,10 +210,13 @@ void check_fill_height(const Case& scene) {
   double height = 0.0;
   double largest = 0.0;
   for (const Layer& layer : fill.layers) {
-    const int m = material_index(scene, layer.material);
-    const double density = scene.materials[static_cast<std::size_t>(m)].density_kg_m3;
-    height += layer.mass_kg / (density * extent.x() * extent.y() * fill.solid_fraction);
-    for (const SizeClass& size : layer.sizes) largest = std::max(largest, size.upper_diameter_m);
+    for (const Grains& kind : layer.mixture) {
+      const int m = material_index(scene, kind.material);
+      const double density = scene.materials[static_cast<std::size_t>(m)].density_kg_m3;
+      height += layer.mass_kg * kind.mass_fraction /
+                (density * extent.x() * extent.y() * fill.solid_fraction);
+      largest = std::max(largest, largest_diameter_m(kind.sizes));
+    }
   }
   if (height + largest > extent.z())
     refuse("fill.upper_m.z", fill.upper.z(),

@@ -22,8 +22,8 @@ scene::Case layered_case() {
   c.fill = scene::Fill{{-0.1, 0, 0},
                        {0.1, 0.05, 0.6},
                        0.33,
-                       {{"grain", 0.6, {{0.008, 0.008, 0.3}, {0.010, 0.014, 0.7}}},
-                        {"heavy", 0.9, {{0.012, 0.012, 1.0}}}}};
+                       {layer_of("grain", 0.6, {{0.008, 0.008, 0.3}, {0.010, 0.014, 0.7}}),
+                        layer_of("heavy", 0.9, {{0.012, 0.012, 1.0}})}};
   return c;
 }
 
@@ -37,7 +37,7 @@ TEST(Fill, MeetsTheMassOfEachLayerToHalfOfItsSmallestSphere) {
 
 TEST(Fill, SpreadsMassUniformlyOverTheDiametersOfAClass) {
   scene::Case c = layered_case();
-  c.fill->layers = {{"grain", 1.5, {{0.006, 0.012, 1.0}}}};
+  c.fill->layers = {layer_of("grain", 1.5, {{0.006, 0.012, 1.0}})};
   double below = 0.0;
   double total = 0.0;
   std::size_t n = 0;
@@ -93,7 +93,7 @@ TEST(Fill, DependsOnTheSeedAndOnNothingElse) {
 
 TEST(Fill, ThatDoesNotFitSaysHowFarItCame) {
   scene::Case c = layered_case();
-  c.fill->layers = {{"grain", 0.5, {{0.045, 0.045, 1.0}}}};
+  c.fill->layers = {layer_of("grain", 0.5, {{0.045, 0.045, 1.0}})};
   c.upper_m.y() = 0.09;  // two diameters
   c.walls = scene::box_walls("bin", "wall", {-0.1, 0, 0}, {0.1, 0.09, 0.6}, {"+z", "-y", "+y"});
   for (double x : {-0.06, -0.02, 0.02, 0.06})  // shafts narrower than a sphere

@@ -140,8 +140,10 @@ TEST(NeighborList, SkinDoesNotChangeThePhysics) {
     c.lower_m.setConstant(-0.5);
     c.upper_m.setConstant(0.5);
     c.walls = scene::box_walls("bin", "wall", {-0.03, -0.03, 0}, {0.03, 0.03, 0.2}, {"+z"});
-    c.fill = scene::Fill{
-        {-0.03, -0.03, 0}, {0.03, 0.03, 0.2}, 0.25, {{"grain", 0.15, {{0.008, 0.012, 1.0}}}}};
+    c.fill = scene::Fill{{-0.03, -0.03, 0},
+                         {0.03, 0.03, 0.2},
+                         0.25,
+                         {layer_of("grain", 0.15, {{0.008, 0.012, 1.0}})}};
     Simulation sim(c, {.skin_radii = skin});
     while (sim.time_s() < 0.06) sim.step();
     EXPECT_GT(sim.contacts(), 5u);

@@ -42,11 +42,11 @@ scene::Case trap_door() {
   c.upper_m = {0.5, 0.5, 0.3};
   c.walls = scene::box_walls("bin", "wall", {-0.03, -0.03, 0}, {0.03, 0.03, 0.2}, {"+z"});
   scene::Wall ground = floor_plane();
-  ground.origin.z() = -0.1;
+  std::get<scene::Plane>(ground.shape).origin.z() = -0.1;
   c.walls.push_back(ground);
   c.regions = {{"bin", {-1, -1, 0}, {1, 1, 1}}};
   c.fill = scene::Fill{
-      {-0.03, -0.03, 0}, {0.03, 0.03, 0.2}, 0.25, {{"grain", 0.06, {{0.008, 0.010, 1.0}}}}};
+      {-0.03, -0.03, 0}, {0.03, 0.03, 0.2}, 0.25, {layer_of("grain", 0.06, {{0.008, 0.010, 1.0}})}};
   c.time_step_rayleigh_fraction = 0.25;
   scene::Stage settle{.name = "settle", .duration_s = 2.0};
   settle.at_rest = scene::AtRest{1e-6, 0.05};

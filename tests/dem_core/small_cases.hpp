@@ -40,8 +40,7 @@ inline scene::Wall floor_plane() {
   scene::Wall wall;
   wall.name = "floor";
   wall.material = "wall";
-  wall.shape = scene::WallShape::plane;
-  wall.normal = {0.0, 0.0, 1.0};
+  wall.shape = scene::Plane{.normal = {0.0, 0.0, 1.0}};
   return wall;
 }
 
@@ -50,10 +49,14 @@ inline scene::Wall rectangle(const std::string& name, const Vec3& origin, const 
   scene::Wall wall;
   wall.name = name;
   wall.material = "wall";
-  wall.origin = origin;
-  wall.edge_u = u;
-  wall.edge_v = v;
+  wall.shape = scene::Rectangle{origin, u, v};
   return wall;
+}
+
+/// Spheres of "material" as one layer.
+inline scene::Layer layer_of(const std::string& material, double mass_kg,
+                             const std::vector<scene::SizeClass>& sizes) {
+  return {mass_kg, {{.material = material, .sizes = sizes}}};
 }
 
 inline scene::Particle grain(double radius, const Vec3& position,

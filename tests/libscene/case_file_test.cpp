@@ -60,9 +60,12 @@ open = ["+z"]
                             "small");
   ASSERT_EQ(c.walls.size(), 5u);
   EXPECT_EQ(c.walls[1].name, "bin.+x");
-  EXPECT_EQ(c.walls[1].origin, Vec3(1, 0, 0));
+  EXPECT_EQ(std::get<Rectangle>(c.walls[1].shape).origin, Vec3(1, 0, 0));
   double area = 0.0;
-  for (const Wall& wall : c.walls) area += wall.edge_u.norm() * wall.edge_v.norm();
+  for (const Wall& wall : c.walls) {
+    const auto& face = std::get<Rectangle>(wall.shape);
+    area += face.edge_u.norm() * face.edge_v.norm();
+  }
   EXPECT_DOUBLE_EQ(area, 2 * (1 * 2 + 2 * 3 + 3 * 1) - 1 * 2);
   EXPECT_EQ(walls_named(c, "bin").size(), 5u);
   EXPECT_EQ(walls_named(c, "bin.-z").size(), 1u);

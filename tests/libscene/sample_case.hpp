@@ -21,17 +21,17 @@ inline Case sample_case() {
   Wall plane;
   plane.name = "ground";
   plane.material = "steel";
-  plane.shape = WallShape::plane;
-  plane.origin = {0.0, 0.0, -0.25};
-  plane.normal = {0.0, 0.0, 2.0};
+  plane.shape = Plane{.origin = {0.0, 0.0, -0.25}, .normal = {0.0, 0.0, 2.0}};
   c.walls = box_walls("bin", "steel", {-0.2, 0.0, 0.0}, {0.2, 0.1, 0.5}, {"+z", "-y", "+y"});
   c.walls.push_back(plane);
   c.regions = {{"bin", {-0.2, -inf, 0.0}, {0.2, inf, inf}}, {"all", {-1, -1, -1}, {1, 1, 1}}};
   Fill fill;
   fill.lower = {-0.2, 0.0, 0.0};
   fill.upper = {0.2, 0.1, 0.5};
-  fill.layers = {{"pellet", 1.0, {{0.010, 0.010, 0.25}, {0.011, 0.016, 0.75}}},
-                 {"pellet", 0.5, {{0.012, 0.012, 1.0}}}};
+  const std::vector<SizeClass> two{{0.010, 0.010, 0.25}, {0.011, 0.016, 0.75}};
+  const std::vector<SizeClass> one{{0.012, 0.012, 1.0}};
+  fill.layers = {{1.0, {{.material = "pellet", .sizes = two}}},
+                 {0.5, {{.material = "pellet", .sizes = one}}}};
   c.fill = fill;
   c.particles = {{"pellet", {0.25, 0.05, -0.2}, {0, 0, 1e-300}, {1, 2, 3}, 0.1 / 7.0}};
   Stage first;

@@ -19,6 +19,16 @@ struct Wrong {
   const char* words;
 };
 
+Plane& plane_of(Case& c) {
+  return std::get<Plane>(c.walls.back().shape);
+}
+Rectangle& face_of(Case& c) {
+  return std::get<Rectangle>(c.walls[0].shape);
+}
+std::vector<SizeClass>& sizes_of(Case& c, std::size_t layer) {
+  return std::get<std::vector<SizeClass>>(c.fill->layers[layer].mixture[0].sizes);
+}
+
 const double kNan = std::numeric_limits<double>::quiet_NaN();
 
 const std::vector<Wrong> kWrong = {
@@ -49,29 +59,29 @@ const std::vector<Wrong> kWrong = {
     {"rolling damping", [](Case& c) { c.pairs[0].rolling_damping = -1.0; }, "rolling_damping"},
     {"wall twice", [](Case& c) { c.walls[1].name = "bin.-x"; }, "stands twice"},
     {"wall material", [](Case& c) { c.walls[0].material = "wood"; }, "\"wood\" is not known"},
-    {"no normal", [](Case& c) { c.walls.back().normal.setZero(); }, "normal is zero"},
-    {"no edge", [](Case& c) { c.walls[0].edge_u.setZero(); }, "no length"},
-    {"skew edges", [](Case& c) { c.walls[0].edge_u += 0.1 * c.walls[0].edge_v; }, "perpendicular"},
+    {"no normal", [](Case& c) { plane_of(c).normal.setZero(); }, "normal is zero"},
+    {"no edge", [](Case& c) { face_of(c).edge_u.setZero(); }, "no length"},
+    {"skew edges", [](Case& c) { face_of(c).edge_u += 0.1 * face_of(c).edge_v; }, "perpendicular"},
     {"plane across the period",
      [](Case& c) {
-       c.walls.back().normal = {0, 1, 0};
+       plane_of(c).normal = {0, 1, 0};
      },
      "periodic"},
-    {"short wall", [](Case& c) { c.walls[0].edge_u *= 0.5; }, "spans the whole period"},
+    {"short wall", [](Case& c) { face_of(c).edge_u *= 0.5; }, "spans the whole period"},
     {"region", [](Case& c) { c.regions[1].upper.x() = -2; }, "region \"all\""},
     {"fill upside down", [](Case& c) { c.fill->upper.z() = -0.1; }, "fill.upper_m.z"},
     {"fill outside", [](Case& c) { c.fill->upper.x() = 0.31; }, "out of the domain"},
     {"too dense", [](Case& c) { c.fill->solid_fraction = 0.5; }, "at most 0.36"},
     {"no layers", [](Case& c) { c.fill->layers.clear(); }, "no layers"},
     {"layer mass", [](Case& c) { c.fill->layers[0].mass_kg = 0.0; }, "mass_kg = 0"},
-    {"layer material", [](Case& c) { c.fill->layers[0].material = "coal"; }, "not known"},
-    {"no sizes", [](Case& c) { c.fill->layers[0].sizes.clear(); }, "no sizes"},
-    {"fractions", [](Case& c) { c.fill->layers[0].sizes[0].mass_fraction = 0.3; }, "must be 1"},
-    {"sizes", [](Case& c) { c.fill->layers[0].sizes[1].upper_diameter_m = 0.01; },
-     "at least lower"},
+    {"layer material", [](Case& c) { c.fill->layers[0].mixture[0].material = "coal"; },
+     "not known"},
+    {"no sizes", [](Case& c) { sizes_of(c, 0).clear(); }, "no sizes"},
+    {"fractions", [](Case& c) { sizes_of(c, 0)[0].mass_fraction = 0.3; }, "must be 1"},
+    {"sizes", [](Case& c) { sizes_of(c, 0)[1].upper_diameter_m = 0.01; }, "at least lower"},
     {"period",
      [](Case& c) {
-       c.fill->layers[1].sizes = {{0.051, 0.051, 1.0}};
+       sizes_of(c, 1) = {{0.051, 0.051, 1.0}};
      },
      "two of the largest"},
     {"wide sphere",

@@ -61,16 +61,20 @@ struct Rig {
 };
 
 Rig rig_of(const scene::Case& scene) {
-  const auto wall = [&](const char* name) -> const scene::Wall& {
+  const auto origin = [&](const char* name) {
     const auto found = scene::walls_named(scene, name);
     if (found.empty())
       throw InputError(fmt::format("the run has no wall \"{}\"; it is not a draw-down", name));
-    return scene.walls[static_cast<std::size_t>(found.front())];
+    const scene::Shape& shape = scene.walls[static_cast<std::size_t>(found.front())].shape;
+    if (const auto* plane = std::get_if<scene::Plane>(&shape)) return plane->origin;
+    if (const auto* rectangle = std::get_if<scene::Rectangle>(&shape)) return rectangle->origin;
+    throw InputError(fmt::format(
+        "wall \"{}\" of the run is neither plane nor rectangle; it is not a draw-down", name));
   };
-  return {.half_width_m = wall("upper_right").origin.x(),
-          .half_slot_m = wall("floor_right").origin.x(),
-          .half_lower_m = wall("lower_right").origin.x(),
-          .floor_m = wall("lower_floor").origin.z()};
+  return {.half_width_m = origin("upper_right").x(),
+          .half_slot_m = origin("floor_right").x(),
+          .half_lower_m = origin("lower_right").x(),
+          .floor_m = origin("lower_floor").z()};
 }
 
 /// When the gate opened: the end of the stage before the discharge.

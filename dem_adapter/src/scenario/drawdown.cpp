@@ -98,9 +98,8 @@ scene::Wall rectangle(std::string name, double x0, double z0, double x1, double 
   scene::Wall wall;
   wall.name = std::move(name);
   wall.material = "box";
-  wall.origin = {x0, 0.0, z0};
-  wall.edge_u = {x1 - x0, 0.0, z1 - z0};
-  wall.edge_v = {0.0, thickness, 0.0};
+  wall.shape = scene::Rectangle{
+      .origin = {x0, 0.0, z0}, .edge_u = {x1 - x0, 0.0, z1 - z0}, .edge_v = {0.0, thickness, 0.0}};
   return wall;
 }
 
@@ -108,9 +107,7 @@ scene::Wall plane(std::string name, const scene::Vec3& origin, const scene::Vec3
   scene::Wall wall;
   wall.name = std::move(name);
   wall.material = "box";
-  wall.shape = scene::WallShape::plane;
-  wall.origin = origin;
-  wall.normal = normal;
+  wall.shape = scene::Plane{.origin = origin, .normal = normal};
   return wall;
 }
 
@@ -157,9 +154,8 @@ std::vector<scene::Layer> layers_of(const Drawdown& rig) {
     const auto of_this =
         static_cast<double>(std::count(rig.layers.begin(), rig.layers.end(), name));
     layers.push_back(
-        {.material = name,
-         .mass_kg = rig.mass_per_thickness_kg_m * rig.thickness_m * material.mass_share / of_this,
-         .sizes = material.sizes});
+        {.mass_kg = rig.mass_per_thickness_kg_m * rig.thickness_m * material.mass_share / of_this,
+         .mixture = {{.material = name, .sizes = material.sizes}}});
   }
   return layers;
 }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <variant>
 
 #include "geometry/cross.hpp"
 
@@ -9,7 +10,7 @@ namespace repose::dem {
 namespace {
 
 bool in_one_plane(const WallSurface& a, const WallSurface& b) {
-  if (a.shape != b.shape || a.material != b.material) return false;
+  if (a.kind != b.kind || a.material != b.material) return false;
   if (std::abs(a.normal.dot(b.normal)) < 1.0 - 1e-12) return false;
   const double size = (b.origin - a.origin).norm() + a.edge_u.norm() + a.edge_v.norm();
   return std::abs((b.origin - a.origin).dot(a.normal)) <= 1e-9 * size;
@@ -21,17 +22,22 @@ std::vector<WallSurface> wall_surfaces(const scene::Case& scene) {
   std::vector<WallSurface> surfaces;
   for (const scene::Wall& wall : scene.walls) {
     WallSurface surface;
-    surface.shape = wall.shape;
-    surface.origin = wall.origin;
-    surface.edge_u = wall.edge_u;
-    surface.edge_v = wall.edge_v;
     surface.material = scene::material_index(scene, wall.material);
-    if (wall.shape == scene::WallShape::plane) {
-      surface.normal = wall.normal / wall.normal.norm();
+    if (const auto* plane = std::get_if<scene::Plane>(&wall.shape)) {
+      surface.kind = SurfaceKind::plane;
+      surface.origin = plane->origin;
+      surface.normal = plane->normal / plane->normal.norm();
+      surface.edge_u.setZero();
+      surface.edge_v.setZero();
     } else {
-      surface.normal = cross(wall.edge_u, wall.edge_v).normalized();
-      surface.inv_u2 = 1.0 / wall.edge_u.squaredNorm();
-      surface.inv_v2 = 1.0 / wall.edge_v.squaredNorm();
+      const auto& rectangle = std::get<scene::Rectangle>(wall.shape);
+      surface.kind = SurfaceKind::rectangle;
+      surface.origin = rectangle.origin;
+      surface.edge_u = rectangle.edge_u;
+      surface.edge_v = rectangle.edge_v;
+      surface.normal = cross(surface.edge_u, surface.edge_v).normalized();
+      surface.inv_u2 = 1.0 / surface.edge_u.squaredNorm();
+      surface.inv_v2 = 1.0 / surface.edge_v.squaredNorm();
     }
     surface.patch = static_cast<int>(surfaces.size());
     for (const WallSurface& other : surfaces)

@@ -8,6 +8,8 @@
 
 namespace repose::dem {
 
+enum class SurfaceKind { plane, rectangle };
+
 /// Which part of a rectangle is closest; planes have only a face.
 enum class Feature { face, rim };
 
@@ -19,7 +21,7 @@ struct ClosestPoint {
 
 /// A wall with what is computed once.
 struct WallSurface {
-  scene::WallShape shape;
+  SurfaceKind kind;
   Vec3 origin;
   Vec3 normal;          ///< unit; of a plane towards the particles
   Vec3 edge_u, edge_v;  ///< of a rectangle
@@ -35,7 +37,7 @@ std::vector<WallSurface> wall_surfaces(const scene::Case& scene);
 inline ClosestPoint closest_point(const WallSurface& wall, const Vec3& x) {
   const Vec3 from_origin = x - wall.origin;
   const double height = from_origin.dot(wall.normal);
-  if (wall.shape == scene::WallShape::plane) return {-height * wall.normal, height, Feature::face};
+  if (wall.kind == SurfaceKind::plane) return {-height * wall.normal, height, Feature::face};
   const double a = from_origin.dot(wall.edge_u) * wall.inv_u2;
   const double b = from_origin.dot(wall.edge_v) * wall.inv_v2;
   if (a >= 0.0 && a <= 1.0 && b >= 0.0 && b <= 1.0)

@@ -142,22 +142,23 @@ Vec3 draw_position(const Slab& slab, const Box& box, double radius, RandomStream
 [[noreturn]] void does_not_fit(const scene::Case& scene, std::size_t layer, std::size_t placed,
                                const std::vector<double>& diameters, double placed_mass) {
   const scene::Fill& fill = *scene.fill;
-  throw SimulationError(
-      "fill.layer " + std::to_string(layer + 1) + " (" + fill.layers[layer].material +
-      "): placed " + std::to_string(placed) + " of " + std::to_string(diameters.size()) +
-      " spheres, " + shortest(std::round(placed_mass * 1e6) / 1e6) + " of " +
-      shortest(fill.layers[layer].mass_kg) + " kg; no room was found for one of diameter " +
-      shortest(diameters[placed]) +
-      " m; lower fill.solid_fraction = " + shortest(fill.solid_fraction) +
-      " (0.25 suits narrow columns), raise fill.upper_m.z to "
-      "match, or widen the column");
+  throw SimulationError("fill.layer " + std::to_string(layer + 1) + " (" +
+                        fill.layers[layer].mixture.front().material + "): placed " +
+                        std::to_string(placed) + " of " + std::to_string(diameters.size()) +
+                        " spheres, " + shortest(std::round(placed_mass * 1e6) / 1e6) + " of " +
+                        shortest(fill.layers[layer].mass_kg) +
+                        " kg; no room was found for one of diameter " +
+                        shortest(diameters[placed]) +
+                        " m; lower fill.solid_fraction = " + shortest(fill.solid_fraction) +
+                        " (0.25 suits narrow columns), raise fill.upper_m.z to "
+                        "match, or widen the column");
 }
 
 }  // namespace
 
 std::vector<double> draw_diameters(const scene::Layer& layer, double density_kg_m3,
                                    std::uint64_t seed, std::uint64_t layer_number) {
-  std::vector<scene::SizeClass> classes = layer.sizes;
+  std::vector<scene::SizeClass> classes = scene::size_classes(layer.mixture.front().sizes);
   std::stable_sort(classes.begin(), classes.end(), [](const auto& a, const auto& b) {
     return a.lower_diameter_m > b.lower_diameter_m;
   });
@@ -176,8 +177,8 @@ std::vector<scene::Particle> place_fill(const scene::Case& scene, const Box& box
   const scene::Fill& fill = *scene.fill;
   double largest = 0.0;
   for (const scene::Layer& layer : fill.layers)
-    for (const scene::SizeClass& size : layer.sizes)
-      largest = std::max(largest, size.upper_diameter_m);
+    for (const scene::Grains& kind : layer.mixture)
+      largest = std::max(largest, scene::largest_diameter_m(kind.sizes));
   double cell = largest;
   for (const scene::Particle& particle : scene.particles)
     cell = std::max(cell, 2.0 * particle.radius_m);
@@ -190,9 +191,10 @@ std::vector<scene::Particle> place_fill(const scene::Case& scene, const Box& box
   slab.upper.z() = fill.lower.z() + 0.5 * largest;
   for (std::size_t l = 0; l < fill.layers.size(); ++l) {
     const scene::Layer& layer = fill.layers[l];
-    const double density =
-        scene.materials[static_cast<std::size_t>(scene::material_index(scene, layer.material))]
-            .density_kg_m3;
+    const double density = scene
+                               .materials[static_cast<std::size_t>(
+                                   scene::material_index(scene, layer.mixture.front().material))]
+                               .density_kg_m3;
     const Vec3 extent = fill.upper - fill.lower;
     slab.lower.z() = slab.upper.z();
     slab.upper.z() += layer.mass_kg / (density * extent.x() * extent.y() * fill.solid_fraction);
@@ -202,7 +204,7 @@ std::vector<scene::Particle> place_fill(const scene::Case& scene, const Box& box
     for (std::size_t d = 0; d < diameters.size(); ++d) {
       const double radius = 0.5 * diameters[d];
       scene::Particle sphere;
-      sphere.material = layer.material;
+      sphere.material = layer.mixture.front().material;
       sphere.radius_m = radius;
       bool found = false;
       for (int t = 0; t < kTries && !found; ++t) {

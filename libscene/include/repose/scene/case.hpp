@@ -1,7 +1,6 @@
 // What a simulation is: materials, walls, filling, stages and output, with its file and its checks.
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -9,93 +8,30 @@
 #include <string_view>
 #include <vector>
 
+#include "repose/scene/contact_model.hpp"
+#include "repose/scene/grains.hpp"
+#include "repose/scene/insertion.hpp"
+#include "repose/scene/wall.hpp"
+
 namespace repose::scene {
 
-using Vec3 = Eigen::Vector3d;
-
-/// A material of particles or walls. A case file may give shear_modulus_pa instead of
-/// youngs_modulus_pa; E = 2 G (1 + nu).
-struct Material {
-  std::string name{};
-  double density_kg_m3 = 0.0;
-  double youngs_modulus_pa = 0.0;
-  double poissons_ratio = 0.25;  ///< in (-1, 0.5]
-  bool operator==(const Material&) const = default;
+/// What limits a region to a cylinder.
+struct RegionCylinder {
+  Vec3 start = Vec3::Zero();  ///< ends of the axis
+  Vec3 end = Vec3::Zero();
+  double radius_m = 0.0;
+  bool operator==(const RegionCylinder&) const = default;
 };
 
-/// Coefficients of one pair of materials; order does not matter, each pair stands once.
-struct PairCoefficients {
-  std::string first{}, second{};
-  double restitution = 0.5;      ///< in (0, 1]
-  double mu_s = 0.0;             ///< sliding friction
-  double mu_r = 0.0;             ///< rolling friction
-  double rolling_damping = 0.3;  ///< ratio to critical damping of the rolling spring
-  bool operator==(const PairCoefficients&) const = default;
-};
-
-/// A size class; equal bounds are one size. Within it mass is spread uniformly over the diameter.
-struct SizeClass {
-  double lower_diameter_m = 0.0;
-  double upper_diameter_m = 0.0;
-  double mass_fraction = 1.0;
-  bool operator==(const SizeClass&) const = default;
-};
-
-enum class WallShape { plane, rectangle };
-
-/// A plane bounds the half-space its normal points into, which is where the particles are; a
-/// rectangle spans origin + a u + b v with a, b in [0, 1] and pushes on both of its sides.
-struct Wall {
-  std::string name{};
-  std::string material{};
-  WallShape shape = WallShape::rectangle;
-  Vec3 origin = Vec3::Zero();
-  Vec3 normal = Vec3::Zero();  ///< of a plane, any length; zero for a rectangle
-  Vec3 edge_u = Vec3::Zero();  ///< of a rectangle; perpendicular to edge_v
-  Vec3 edge_v = Vec3::Zero();
-  bool operator==(const Wall&) const = default;
-};
-
-/// The six faces of an axis-parallel box as rectangles named NAME.-x, NAME.+x, ... NAME.+z, without
-/// those listed in `open` ("-x", "+z", ...). What `[[box]]` of a case file expands to.
-std::vector<Wall> box_walls(const std::string& name, const std::string& material, const Vec3& lower,
-                            const Vec3& upper, const std::vector<std::string>& open);
-
-/// A box whose mass is recorded; a particle is in it if its centre is in [lower, upper). Bounds may
-/// be infinite.
+/// A place whose mass is recorded; a particle is in it if its centre is in the box [lower, upper),
+/// whose bounds may be infinite, and in the cylinder if there is one.
 struct Region {
   std::string name{};
   Vec3 lower = Vec3::Zero();
   Vec3 upper = Vec3::Zero();
+  std::optional<RegionCylinder> cylinder{};
+  bool removes = false;  ///< particles that come into it are taken out of the simulation
   bool operator==(const Region&) const = default;
-};
-
-/// Particles of one material, poured as one layer.
-struct Layer {
-  std::string material{};
-  double mass_kg = 0.0;
-  std::vector<SizeClass> sizes{};  ///< mass fractions sum to 1
-  bool operator==(const Layer&) const = default;
-};
-
-/// Layers placed over each other by random sequential addition in the column of `lower`-`upper`,
-/// without overlap among themselves and with walls; nothing is placed above upper.z.
-struct Fill {
-  Vec3 lower = Vec3::Zero();
-  Vec3 upper = Vec3::Zero();
-  double solid_fraction = 0.33;  ///< of the loose column, before it falls; at most 0.36
-  std::vector<Layer> layers{};   ///< bottom first
-  bool operator==(const Fill&) const = default;
-};
-
-/// A particle placed by hand.
-struct Particle {
-  std::string material{};
-  Vec3 position = Vec3::Zero();          ///< m
-  Vec3 velocity = Vec3::Zero();          ///< m/s
-  Vec3 angular_velocity = Vec3::Zero();  ///< rad/s
-  double radius_m = 0.0;
-  bool operator==(const Particle&) const = default;
 };
 
 /// A stage ends when the kinetic energy stayed below kinetic_energy_ratio * sum(m g d_mean) for
@@ -129,6 +65,8 @@ struct Stage {
 struct Output {
   double snapshot_interval_s = 0.0;  ///< 0: only at the end of each stage
   double series_interval_s = 0.005;
+  bool vtp = false;     ///< snapshots also as VTP files for ParaView
+  bool energy = false;  ///< the energy ledger, which costs a few per cent of time
   bool operator==(const Output&) const = default;
 };
 
@@ -144,11 +82,16 @@ struct Case {
   Vec3 lower_m = Vec3::Zero();  ///< the domain: its extent is the period of a periodic direction;
   Vec3 upper_m = Vec3::Zero();  ///< elsewhere a particle whose centre leaves it is lost, an error
   Periodic periodic{};
+  ContactModel contact{};
   std::vector<Material> materials{};
   std::vector<PairCoefficients> pairs{};
+  std::vector<ClumpShape> clumps{};  ///< besides shipped_clumps()
   std::vector<Wall> walls{};
+  std::vector<Motion> motions{};
   std::vector<Region> regions{};
   std::optional<Fill> fill{};
+  std::vector<Rain> rains{};
+  std::vector<ParticleTable> particle_tables{};
   std::vector<Particle> particles{};
   std::vector<Stage> stages{};
   Output output{};
@@ -170,6 +113,8 @@ void write_case(const std::filesystem::path& path, const Case& scene);
 /// fit.
 void validate(const Case& scene);
 
+/// A clump shape of the case or a shipped one; throws InputError that lists the known ones.
+const ClumpShape& clump_shape(const Case& scene, const std::string& name);
 /// Index of a material by name; throws InputError that lists the known ones.
 int material_index(const Case& scene, const std::string& name);
 /// Index into Case::pairs for two material indices, -1 if there is none.

@@ -1,0 +1,62 @@
+#include "repose/scene/grains.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace repose::scene {
+namespace {
+
+constexpr int kClasses = 64;
+
+/// Mass finer than d, before the cut-offs.
+double finer(const LogNormal& sizes, double d) {
+  const double z = std::log(d / sizes.median_diameter_m) / std::log(sizes.geometric_sd);
+  return 0.5 * std::erfc(-z / std::sqrt(2.0));
+}
+double finer(const RosinRammler& sizes, double d) {
+  return -std::expm1(-std::pow(d / sizes.scale_diameter_m, sizes.spread));
+}
+
+template <class Distribution>
+std::vector<SizeClass> classes_of(const Distribution& sizes) {
+  const double ratio = sizes.upper_diameter_m / sizes.lower_diameter_m;
+  const auto bound = [&](int k) {
+    if (k == kClasses) return sizes.upper_diameter_m;
+    return sizes.lower_diameter_m * std::pow(ratio, static_cast<double>(k) / kClasses);
+  };
+  const double below = finer(sizes, sizes.lower_diameter_m);
+  const double kept = finer(sizes, sizes.upper_diameter_m) - below;
+  std::vector<SizeClass> classes;
+  for (int k = 0; k < kClasses; ++k)
+    classes.push_back(
+        {bound(k), bound(k + 1), (finer(sizes, bound(k + 1)) - finer(sizes, bound(k))) / kept});
+  return classes;
+}
+
+}  // namespace
+
+std::vector<SizeClass> size_classes(const Sizes& sizes) {
+  if (const auto* classes = std::get_if<std::vector<SizeClass>>(&sizes)) return *classes;
+  if (const auto* log_normal = std::get_if<LogNormal>(&sizes)) return classes_of(*log_normal);
+  return classes_of(std::get<RosinRammler>(sizes));
+}
+
+double largest_diameter_m(const Sizes& sizes) {
+  if (const auto* log_normal = std::get_if<LogNormal>(&sizes)) return log_normal->upper_diameter_m;
+  if (const auto* rosin = std::get_if<RosinRammler>(&sizes)) return rosin->upper_diameter_m;
+  double largest = 0.0;
+  for (const SizeClass& size : std::get<std::vector<SizeClass>>(sizes))
+    largest = std::max(largest, size.upper_diameter_m);
+  return largest;
+}
+
+double smallest_diameter_m(const Sizes& sizes) {
+  if (const auto* log_normal = std::get_if<LogNormal>(&sizes)) return log_normal->lower_diameter_m;
+  if (const auto* rosin = std::get_if<RosinRammler>(&sizes)) return rosin->lower_diameter_m;
+  double smallest = 0.0;
+  for (const SizeClass& size : std::get<std::vector<SizeClass>>(sizes))
+    if (smallest == 0.0 || size.lower_diameter_m < smallest) smallest = size.lower_diameter_m;
+  return smallest;
+}
+
+}  // namespace repose::scene
