@@ -47,6 +47,16 @@ std::vector<Wall> box_walls(const std::string& name, const std::string& material
   return walls;
 }
 
+const ClumpShape& clump_shape(const Case& scene, const std::string& name) {
+  std::vector<std::string> names;
+  for (const std::vector<ClumpShape>* shapes : {&scene.clumps, &shipped_clumps()})
+    for (const ClumpShape& shape : *shapes) {
+      if (shape.name == name) return shape;
+      names.push_back(shape.name);
+    }
+  throw InputError("clump \"" + name + "\" is not known; the case has " + listed(names));
+}
+
 int material_index(const Case& scene, const std::string& name) {
   std::vector<std::string> names;
   for (std::size_t m = 0; m < scene.materials.size(); ++m) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace repose::scene {
 namespace {
@@ -57,6 +58,18 @@ double smallest_diameter_m(const Sizes& sizes) {
   for (const SizeClass& size : std::get<std::vector<SizeClass>>(sizes))
     if (smallest == 0.0 || size.lower_diameter_m < smallest) smallest = size.lower_diameter_m;
   return smallest;
+}
+
+const std::vector<ClumpShape>& shipped_clumps() {
+  // Three equal spheres on an equilateral triangle with sides of 1.75 radii: their volume is that
+  // of three spheres less three lenses of pi (4 + s)(2 - s)^2/12, s = 1.75, so that a sphere has
+  // 0.699 of the volume-equivalent radius.
+  static const std::vector<ClumpShape> kShapes{
+      {"sinter_3",
+       {{{0.0, 0.0, 0.0}, 1.0},
+        {{1.75, 0.0, 0.0}, 1.0},
+        {{0.875, 0.875 * std::numbers::sqrt3, 0.0}, 1.0}}}};
+  return kShapes;
 }
 
 }  // namespace repose::scene
