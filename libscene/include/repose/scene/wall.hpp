@@ -52,8 +52,9 @@ struct Mesh {
   double scale = 1.0;               ///< 0.001 for a file in millimetres
   Vec3 translation = Vec3::Zero();  ///< m, after scaling
   bool open = false;                ///< a surface that has a rim; without it a rim is an error
-  bool drop_degenerate = false;  ///< leave triangles without area out; without it they are an error
-  double smooth_deg = 5.0;       ///< facets that meet at a smaller angle are one smooth surface
+  bool drop_degenerate = false;     ///< leave triangles without area, or the same as an earlier
+                                    ///< one, out; without it they are an error
+  double smooth_deg = 5.0;          ///< facets that meet at a smaller angle are one smooth surface
   /// Of the file's bytes, FNV-1a, 0 if unknown: a mesh that changed since is refused.
   std::uint64_t content_hash = 0;
   bool operator==(const Mesh&) const = default;
