@@ -75,8 +75,10 @@ repose::scene::RunSummary run_into(const repose::scene::Case& scene, const fs::p
 void print_json(const repose::scene::RunSummary& s, const std::string& output) {
   nlohmann::ordered_json json;
   json["output"] = output;
-  json["particles"] = s.particles;
-  json["mass_kg"] = s.mass_kg;
+  json["spheres"] = s.spheres;
+  json["bodies"] = {{"inserted", s.bodies.inserted},     {"removed", s.bodies.removed},
+                    {"alive", s.bodies.alive},           {"inserted_kg", s.bodies.inserted_kg},
+                    {"removed_kg", s.bodies.removed_kg}, {"alive_kg", s.bodies.alive_kg}};
   json["time_step_s"] = s.time_step_s;
   json["steps"] = s.steps;
   json["wall_time_s"] = s.wall_time_s;
@@ -90,9 +92,13 @@ void print_json(const repose::scene::RunSummary& s, const std::string& output) {
 }
 
 void print_text(const repose::scene::RunSummary& s, const std::string& output) {
-  fmt::print("{} spheres, {:.6g} kg, {} steps of {:.4g} s in {:.3g} s; largest overlap {:.3g}\n",
-             s.particles, s.mass_kg, s.steps, s.time_step_s, s.wall_time_s,
-             s.largest_overlap_ratio);
+  fmt::print(
+      "{} bodies ({} spheres), {:.6g} kg, {} steps of {:.4g} s in {:.3g} s; largest overlap "
+      "{:.3g}\n",
+      s.bodies.alive, s.spheres, s.bodies.alive_kg, s.steps, s.time_step_s, s.wall_time_s,
+      s.largest_overlap_ratio);
+  if (s.bodies.removed > 0)
+    fmt::print("{} bodies, {:.6g} kg were removed\n", s.bodies.removed, s.bodies.removed_kg);
   for (const repose::scene::StageEnd& stage : s.stages)
     fmt::print("stage {}: {:.4g} s, {}\n", stage.name, stage.time_s, stage.reason);
   fmt::print("{}\n", is_file_name(output) ? output : (fs::path(output) / "run.h5").string());

@@ -123,8 +123,8 @@ class SyntheticRun {
     writer.write_snapshot(snapshot_);
     writer.finish({.steps = 1,
                    .time_step_s = 1e-4,
-                   .particles = 1,
-                   .mass_kg = total,
+                   .spheres = 1,
+                   .bodies = {.inserted = 1, .alive = 1, .inserted_kg = total, .alive_kg = total},
                    .largest_overlap_ratio = 0.05,
                    .engine = "synthetic",
                    .version = "1",
@@ -138,6 +138,7 @@ class SyntheticRun {
   static constexpr double kRadius = 0.005, kSpacing = 0.0005;
   void add(double x, double z, double speed) {
     snapshot_.id.push_back(static_cast<std::int64_t>(snapshot_.size()));
+    snapshot_.body.push_back(snapshot_.id.back());
     snapshot_.material.push_back(0);
     snapshot_.radius_m.push_back(kRadius);
     snapshot_.mass_kg.push_back(0.001);

@@ -15,10 +15,10 @@ TEST(QuickDrawdown, DischargesWhatAnotherEngineDischarges) {
   run_case(rig, folder);
   const scene::Run run = scene::read_run(folder);
 
-  EXPECT_EQ(run.summary().particles, 1230);
-  EXPECT_NEAR(run.summary().mass_kg, 66.0 * 0.036, 4 * 0.5 * 1.7e-3);
+  EXPECT_EQ(run.summary().bodies.alive, 1230);
+  EXPECT_NEAR(run.summary().bodies.alive_kg, 66.0 * 0.036, 4 * 0.5 * 1.7e-3);
   const auto upper = run.series().numbers("mass_upper_kg");
-  EXPECT_NEAR(upper.front(), run.summary().mass_kg, 1e-9);
+  EXPECT_NEAR(upper.front(), run.summary().bodies.alive_kg, 1e-9);
   // Nothing leaves while the gate is closed.
   const auto time = run.series().numbers("time_s");
   const double opened = run.summary().stages[0].time_s;

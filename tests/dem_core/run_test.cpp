@@ -112,7 +112,7 @@ TEST(RunCase, EndsItsStagesByTheirCriteria) {
   EXPECT_TRUE(run.scene() == c);
   ASSERT_EQ(run.snapshots().size(), 2u);
   const auto mass = run.series().numbers("mass_bin_kg");
-  EXPECT_NEAR(mass.front(), summary.mass_kg, 1e-12);
+  EXPECT_NEAR(mass.front(), summary.bodies.alive_kg, 1e-12);
   EXPECT_EQ(mass.back(), 0.0);  // the whole floor opened
   const auto time = run.series().numbers("time_s");
   EXPECT_EQ(time.front(), 0.0);

@@ -23,6 +23,7 @@ Snapshot sample_snapshot(double time, const std::string& stage) {
   s.stage = stage;
   s.materials = {"pellet", "steel"};
   s.id = {0, 1};
+  s.body = {0, 0};
   s.material = {0, 0};
   s.radius_m = {0.01, 1.0 / 300.0};
   s.mass_kg = {0.1, 0.2};

@@ -47,6 +47,7 @@ scene::Snapshot snapshot_of(const scene::Case& scene, const std::string& stage, 
     snapshot.materials.push_back(material.name);
   for (const Sphere& s : spheres) {
     snapshot.id.push_back(s.id);
+    snapshot.body.push_back(s.id);
     snapshot.material.push_back(s.material);
     snapshot.radius_m.push_back(s.radius_m);
     snapshot.mass_kg.push_back(s.mass_kg);
@@ -101,8 +102,13 @@ class Runner {
       snapshot_every_ = steps_of(scene_.output.snapshot_interval_s, dt_);
     for (const scene::Stage& stage : scene_.stages) total_s_ += stage.duration_s;
     summary_.time_step_s = dt_;
-    summary_.particles = static_cast<std::int64_t>(sim.size());
-    summary_.mass_kg = sim.mass_kg();
+    summary_.spheres = static_cast<std::int64_t>(sim.size());
+    summary_.bodies = {.inserted = summary_.spheres,
+                       .removed = 0,
+                       .alive = summary_.spheres,
+                       .inserted_kg = sim.mass_kg(),
+                       .removed_kg = 0.0,
+                       .alive_kg = sim.mass_kg()};
     summary_.engine = "repose-dem";
     summary_.version = version();
     summary_.seed = scene_.seed;
@@ -115,13 +121,13 @@ class Runner {
       largest = std::max(largest, 2.0 * s.radius_m);
     }
     weight_scale_j_ =
-        summary_.mass_kg * scene_.gravity_m_s2.norm() * diameters / static_cast<double>(sim.size());
+        sim.mass_kg() * scene_.gravity_m_s2.norm() * diameters / static_cast<double>(sim.size());
     writer_.log(fmt::format(
         "repose-dem {}: {} spheres of {} to {} m, {:.9g} kg; time step {} s = {} of the smallest "
         "Rayleigh time; law hm1 (Hertz-Mindlin, rolling type C), attraction before separation "
         "kept; seed {}",
-        version(), sim.size(), shortest(smallest), shortest(largest), summary_.mass_kg,
-        shortest(dt_), shortest(scene_.time_step_rayleigh_fraction), scene_.seed));
+        version(), sim.size(), shortest(smallest), shortest(largest), sim.mass_kg(), shortest(dt_),
+        shortest(scene_.time_step_rayleigh_fraction), scene_.seed));
     for (const scene::PairCoefficients& p : scene_.pairs)
       writer_.log(fmt::format("pair {} - {}: restitution {}, mu_s {}, mu_r {}, rolling damping {}",
                               p.first, p.second, shortest(p.restitution), shortest(p.mu_s),
