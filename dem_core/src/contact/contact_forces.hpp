@@ -34,14 +34,21 @@ struct DeepestOverlap {
 void find_touching(const Box& box, const Spheres& spheres, NeighborList& pairs, ContactPool& pool,
                    std::vector<TouchingPair>& touching);
 
-/// Adds the forces of all touching pairs to the loads, in list order.
+/// Adds the forces of all touching pairs to the loads, in list order, and what they store and lose
+/// to `energies` unless it is null.
 void add_pair_forces(const LawTable& laws, double dt, const std::vector<TouchingPair>& touching,
-                     Spheres& spheres, ContactPool& pool, DeepestOverlap& deepest);
+                     Spheres& spheres, ContactPool& pool, DeepestOverlap& deepest,
+                     ContactEnergies* energies = nullptr);
 
-/// Finds the contacts with walls and adds their forces to the loads, in list order; returns their
-/// number.
+/// The pairs of `touching`, in order, as they are now; nothing changes.
+std::vector<ContactState> pair_states(const LawTable& laws, double dt,
+                                      const std::vector<TouchingPair>& touching,
+                                      const Spheres& spheres, const ContactPool& pool);
+
+/// Finds the contacts with walls and adds their forces to the loads, in list order, and what they
+/// store and lose to `energies` unless it is null; returns their number.
 std::size_t add_wall_forces(const LawTable& laws, const std::vector<WallSurface>& walls, double dt,
                             Spheres& spheres, NeighborList& list, ContactPool& pool,
-                            DeepestOverlap& deepest);
+                            DeepestOverlap& deepest, ContactEnergies* energies = nullptr);
 
 }  // namespace repose::dem

@@ -5,7 +5,8 @@
 namespace repose::dem {
 
 LawTable::LawTable(const scene::Case& scene)
-    : count_(static_cast<std::int32_t>(scene.materials.size())),
+    : model_(scene.contact),
+      count_(static_cast<std::int32_t>(scene.materials.size())),
       laws_(scene.materials.size() * scene.materials.size()) {
   for (std::int32_t a = 0; a < count_; ++a)
     for (std::int32_t b = 0; b < count_; ++b) {
@@ -14,7 +15,7 @@ LawTable::LawTable(const scene::Case& scene)
       laws_[static_cast<std::size_t>(a * count_ + b)] =
           make_pair_law(scene.materials[static_cast<std::size_t>(a)],
                         scene.materials[static_cast<std::size_t>(b)],
-                        scene.pairs[static_cast<std::size_t>(pair)]);
+                        scene.pairs[static_cast<std::size_t>(pair)], model_);
     }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "repose/dem/contact_law.hpp"
@@ -13,6 +14,8 @@ class LawTable {
   /// Laws of all pairs of the case; a pair that the case does not have stays unknown.
   explicit LawTable(const scene::Case& scene);
 
+  /// The variant of the law, one for all pairs.
+  const scene::ContactModel& model() const { return model_; }
   const PairLaw& at(std::int32_t first, std::int32_t second) const {
     return laws_[static_cast<std::size_t>(first * count_ + second)];
   }
@@ -20,6 +23,7 @@ class LawTable {
   void require(const scene::Case& scene, std::int32_t first, std::int32_t second) const;
 
  private:
+  scene::ContactModel model_;
   std::int32_t count_;
   std::vector<PairLaw> laws_;
 };

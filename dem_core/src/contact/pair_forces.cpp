@@ -1,7 +1,8 @@
 #include <algorithm>
+#include <array>
 
+#include "contact/contact_evaluation.hpp"
 #include "contact/contact_forces.hpp"
-#include "geometry/cross.hpp"
 
 namespace repose::dem {
 namespace {
@@ -17,8 +18,7 @@ void find_touching_in(const Box& box, const Spheres& spheres, NeighborList& pair
   const std::int32_t* const first = pairs.first.data();
   Neighbor* const entries = pairs.entries.data();
   const auto n = static_cast<std::int32_t>(spheres.size());
-  touching.resize(pairs.entries.size());
-  std::size_t count = 0;
+  touching.clear();
   for (std::int32_t i = 0; i < n; ++i) {
     const Motion& a = motion[i];
     const std::int32_t last = first[i + 1];
@@ -32,14 +32,56 @@ void find_touching_in(const Box& box, const Spheres& spheres, NeighborList& pair
         if (neighbor.contact == kNoContact)
           neighbor.contact = pool.begin_contact(
               sphere_sphere(a.radius, 1.0 / a.inv_mass, b.radius, 1.0 / b.inv_mass));
-        touching[count++] = {offset, distance2, i, neighbor.other, neighbor.contact};
+        touching.push_back({offset, distance2, i, neighbor.other, neighbor.contact});
       } else if (neighbor.contact != kNoContact) {
         pool.end_contact(neighbor.contact);
         neighbor.contact = kNoContact;
       }
     }
   }
-  touching.resize(count);
+}
+
+/// Pairs are taken in blocks, and a block step by step: the steps of one contact wait for each
+/// other, those of different contacts do not.
+constexpr std::size_t kBlock = 32;
+
+template <class Energies>
+void add_forces(const LawTable& laws, double dt, const std::vector<TouchingPair>& touching,
+                Spheres& spheres, ContactPool& pool, DeepestOverlap& deepest, Energies& energies) {
+  const scene::ContactModel model = laws.model();
+  std::array<ContactKinematics, kBlock> kinematics;
+  std::array<ContactForce, kBlock> forces;
+  for (std::size_t first = 0; first < touching.size(); first += kBlock) {
+    const std::size_t count = std::min(kBlock, touching.size() - first);
+    for (std::size_t k = 0; k < count; ++k) {
+      const TouchingPair& pair = touching[first + k];
+      __builtin_prefetch(&pool.at(pair.contact), 1);
+      const Motion& a = spheres.motion[index(pair.i)];
+      const Motion& b = spheres.motion[index(pair.j)];
+      kinematics[k] = pair_kinematics(model, dt, pair.offset, std::sqrt(pair.distance2), a, b,
+                                      spheres.spin[index(pair.i)].w, spheres.spin[index(pair.j)].w);
+      deepest.see(kinematics[k].overlap, std::min(a.radius, b.radius), pair.i, pair.j, false);
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+      const TouchingPair& pair = touching[first + k];
+      __builtin_prefetch(&spheres.load[index(pair.j)], 1);
+      const PairLaw& law =
+          laws.at(spheres.material[index(pair.i)], spheres.material[index(pair.j)]);
+      forces[k] = contact_force(model, law, kinematics[k], dt, pool.at(pair.contact), energies);
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+      const TouchingPair& pair = touching[first + k];
+      const ContactForce& f = forces[k];
+      const double half = 0.5 * kinematics[k].overlap;
+      const Vec3 turning = cross(kinematics[k].normal, f.tangential);
+      Load& on_a = spheres.load[index(pair.i)];
+      Load& on_b = spheres.load[index(pair.j)];
+      on_a.force += f.force;
+      on_b.force -= f.force;
+      on_a.torque += (spheres.motion[index(pair.i)].radius - half) * turning + f.rolling_torque;
+      on_b.torque += (spheres.motion[index(pair.j)].radius - half) * turning - f.rolling_torque;
+    }
+  }
 }
 
 }  // namespace
@@ -51,35 +93,32 @@ void find_touching(const Box& box, const Spheres& spheres, NeighborList& pairs, 
 }
 
 void add_pair_forces(const LawTable& laws, double dt, const std::vector<TouchingPair>& touching,
-                     Spheres& spheres, ContactPool& pool, DeepestOverlap& deepest) {
+                     Spheres& spheres, ContactPool& pool, DeepestOverlap& deepest,
+                     ContactEnergies* energies) {
+  if (energies != nullptr) {
+    add_forces(laws, dt, touching, spheres, pool, deepest, *energies);
+  } else {
+    NoEnergies none;
+    add_forces(laws, dt, touching, spheres, pool, deepest, none);
+  }
+}
+
+std::vector<ContactState> pair_states(const LawTable& laws, double dt,
+                                      const std::vector<TouchingPair>& touching,
+                                      const Spheres& spheres, const ContactPool& pool) {
+  std::vector<ContactState> states;
+  states.reserve(touching.size());
   for (const TouchingPair& pair : touching) {
     const std::size_t i = index(pair.i);
     const std::size_t j = index(pair.j);
-    const Motion& a = spheres.motion[i];
-    const Motion& b = spheres.motion[j];
-    const Vec3& wa = spheres.spin[i].w;
-    const Vec3& wb = spheres.spin[j].w;
-    const double distance = std::sqrt(pair.distance2);
-    ContactKinematics now;
-    now.normal = pair.offset * (1.0 / distance);
-    now.overlap = a.radius + b.radius - distance;
-    deepest.see(now.overlap, std::min(a.radius, b.radius), pair.i, pair.j, false);
-    const double arm_a = a.radius - 0.5 * now.overlap;
-    const double arm_b = b.radius - 0.5 * now.overlap;
-    now.velocity = a.v - b.v + cross(arm_a * wa + arm_b * wb, now.normal);
-    now.spin = wa - wb;
-
-    Contact& contact = pool.at(pair.contact);
-    const PairLaw& law = laws.at(spheres.material[i], spheres.material[j]);
-    const ContactForce f = hertz_mindlin(law, contact.bodies, now, dt, contact.history);
-    const Vec3 turning = cross(now.normal, f.tangential);
-    Load& on_a = spheres.load[i];
-    Load& on_b = spheres.load[j];
-    on_a.force += f.force;
-    on_b.force -= f.force;
-    on_a.torque += arm_a * turning + f.rolling_torque;
-    on_b.torque += arm_b * turning - f.rolling_torque;
+    const Contact& contact = pool.at(pair.contact);
+    states.push_back(contact_state(
+        laws.model(), laws.at(spheres.material[i], spheres.material[j]), contact.bodies,
+        pair_kinematics(laws.model(), dt, pair.offset, std::sqrt(pair.distance2), spheres.motion[i],
+                        spheres.motion[j], spheres.spin[i].w, spheres.spin[j].w),
+        contact.history));
   }
+  return states;
 }
 
 }  // namespace repose::dem

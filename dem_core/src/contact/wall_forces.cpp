@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <array>
 
+#include "contact/contact_evaluation.hpp"
 #include "contact/contact_forces.hpp"
-#include "geometry/cross.hpp"
 #include "repose/base/error.hpp"
 
 namespace repose::dem {
@@ -108,7 +108,7 @@ void end_separated(const Touches& touches, Row row, NeighborList& list, ContactP
 
 std::size_t add_wall_forces(const LawTable& laws, const std::vector<WallSurface>& walls, double dt,
                             Spheres& spheres, NeighborList& list, ContactPool& pool,
-                            DeepestOverlap& deepest) {
+                            DeepestOverlap& deepest, ContactEnergies* energies) {
   std::size_t contacts = 0;
   for (std::size_t i = 0; i < spheres.size(); ++i) {
     const Row row{list.first[i], list.first[i + 1]};
@@ -127,16 +127,17 @@ std::size_t add_wall_forces(const LawTable& laws, const std::vector<WallSurface>
     for (std::size_t t = 0; t < touches.count; ++t) {
       const WallTouch& touch = touches.items[t];
       const WallSurface& wall = walls[static_cast<std::size_t>(touch.wall)];
-      ContactKinematics now;
-      now.normal = direction_to(wall, touch.point);
-      now.overlap = sphere.radius - touch.point.distance;
+      const ContactKinematics now =
+          wall_kinematics(direction_to(wall, touch.point), sphere.radius - touch.point.distance,
+                          sphere, spheres.spin[i].w, Vec3::Zero());
       deepest.see(now.overlap, sphere.radius, static_cast<std::int32_t>(i), touch.wall, true);
       const double arm = sphere.radius - 0.5 * now.overlap;
-      now.velocity = sphere.v + arm * cross(spheres.spin[i].w, now.normal);
-      now.spin = spheres.spin[i].w;
       Contact& contact = pool.at(contact_of(touch, touches, row, walls, sphere, list, pool));
       const PairLaw& law = laws.at(spheres.material[i], wall.material);
-      const ContactForce f = hertz_mindlin(law, contact.bodies, now, dt, contact.history);
+      NoEnergies none;
+      const ContactForce f = energies != nullptr
+                                 ? contact_force(laws.model(), law, now, dt, contact, *energies)
+                                 : contact_force(laws.model(), law, now, dt, contact, none);
       load.force += f.force;
       load.torque += arm * cross(now.normal, f.tangential) + f.rolling_torque;
     }

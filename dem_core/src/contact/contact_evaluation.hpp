@@ -1,0 +1,66 @@
+// What contacts of pairs and with walls share: from motion to kinematics, from kinematics to force.
+#pragma once
+
+#include "contact/contact_pool.hpp"
+#include "contact/law_table.hpp"
+#include "geometry/cross.hpp"
+#include "particles/spheres.hpp"
+
+namespace repose::dem {
+
+/// Kinematics of two spheres whose centres are `offset` apart, from i to j; `distance` is its
+/// length. Velocities act at t - dt/2 along the line of centres of that time [Vyas2025].
+[[gnu::always_inline]] inline ContactKinematics pair_kinematics(const scene::ContactModel& model,
+                                                                double dt, const Vec3& offset,
+                                                                double distance, const Motion& i,
+                                                                const Motion& j, const Vec3& w_i,
+                                                                const Vec3& w_j) {
+  ContactKinematics now;
+  const double both = i.radius + j.radius;
+  now.inv_distance = 1.0 / distance;
+  now.normal = offset * now.inv_distance;
+  now.overlap = both - distance;
+  now.velocity = i.v - j.v;
+  now.spin = w_i - w_j;
+  double overlap_half = now.overlap;
+  now.normal_half = now.normal;
+  if (model.compatibility == scene::Compatibility::none) {
+    now.normal_half = offset + (0.5 * dt) * now.velocity;
+    const double distance_half = now.normal_half.norm();
+    now.normal_half *= 1.0 / distance_half;
+    overlap_half = both - distance_half;
+  }
+  const Vec3 surface =
+      (i.radius - 0.5 * overlap_half) * w_i + (j.radius - 0.5 * overlap_half) * w_j;
+  now.velocity += cross(surface, now.normal_half);
+  return now;
+}
+
+/// Kinematics of a sphere at a wall, whose point of contact moves with `wall_velocity`. A wall is
+/// flat or large, so that its normal is taken at t alone.
+inline ContactKinematics wall_kinematics(const Vec3& normal, double overlap, const Motion& sphere,
+                                         const Vec3& w, const Vec3& wall_velocity) {
+  ContactKinematics now;
+  now.normal = normal;
+  now.normal_half = normal;
+  now.overlap = overlap;
+  now.velocity = sphere.v - wall_velocity + (sphere.radius - 0.5 * overlap) * cross(w, normal);
+  now.spin = w;
+  return now;
+}
+
+/// hertz_mindlin() that adds what the contact stores and loses to `sum`, if that is
+/// ContactEnergies.
+template <class Energies>
+[[gnu::always_inline]] inline ContactForce contact_force(const scene::ContactModel& model,
+                                                         const PairLaw& law,
+                                                         const ContactKinematics& now, double dt,
+                                                         Contact& contact, Energies& sum) {
+  Energies energies;
+  const ContactForce force =
+      hertz_mindlin(model, law, contact.bodies, now, dt, contact.history, energies);
+  if constexpr (std::is_same_v<Energies, ContactEnergies>) sum += energies;
+  return force;
+}
+
+}  // namespace repose::dem
