@@ -16,6 +16,7 @@ namespace repose::dem {
 namespace {
 
 constexpr double kLargestOverlapRatio = 0.5;
+constexpr double kLargestWallStep = 0.25;  // of the smallest radius, in one time step
 
 std::string place_text(const Vec3& x) {
   const auto mm = [](double v) {
@@ -28,20 +29,21 @@ std::string place_text(const Vec3& x) {
 
 struct Simulation::State {
   State(const scene::Case& given, const SimulationOptions& chosen)
-      : scene(given), options(chosen), box(given), walls(wall_surfaces(given)), laws(given) {}
+      : scene(given), options(chosen), box(given), walls(given), laws(given) {}
 
   scene::Case scene;
   SimulationOptions options;
   Box box;
-  std::vector<WallSurface> walls;
+  Walls walls;
   LawTable laws;
   Spheres spheres;
   NeighborLists lists;
   ContactPool pool;
   std::vector<TouchingPair> touching;
   DeepestOverlap deepest;  // since it was last taken
-  std::size_t wall_contacts = 0;
-  double dt = 0.0;  // 0 until prepared
+  WallContacts wall_contacts;
+  std::int64_t wall_load_steps = 0;  // summed in the loads of walls
+  double dt = 0.0;                   // 0 until prepared
   double skin = 0.0;
   std::int64_t steps = 0;
   std::int64_t rebuilds = 0;
@@ -51,7 +53,9 @@ struct Simulation::State {
   void one_step();
   void rebuild_lists();
   void compute_forces(double history_dt);
+  double time_s() const { return static_cast<double>(steps) * dt; }
   void check_overlap(const DeepestOverlap& now) const;
+  void check_wall_speed() const;
   [[noreturn]] void lost(std::size_t i) const;
   std::string speed_and_time(std::size_t i) const;
 };
@@ -101,8 +105,8 @@ void Simulation::State::prepare() {
     for (std::size_t b = 0; b <= a; ++b)
       if (present[b])
         laws.require(scene, static_cast<std::int32_t>(a), static_cast<std::int32_t>(b));
-    for (const WallSurface& wall : walls)
-      laws.require(scene, static_cast<std::int32_t>(a), wall.material);
+    for (std::size_t w = 0; w < walls.size(); ++w)
+      laws.require(scene, static_cast<std::int32_t>(a), walls.at(w).material);
   }
   const double step = options.time_step_s > 0.0 ? options.time_step_s
                                                 : scene.time_step_rayleigh_fraction * rayleigh;
@@ -119,7 +123,8 @@ void Simulation::State::prepare() {
 }
 
 void Simulation::State::rebuild_lists() {
-  rebuild(box, skin, walls, spheres, lists, pool);
+  rebuild(box, skin, walls, spheres, lists, pool, wall_contacts);
+  walls.mark_listed();
   ++rebuilds;
 }
 
@@ -127,7 +132,8 @@ void Simulation::State::compute_forces(double history_dt) {
   DeepestOverlap now;
   find_touching(box, spheres, lists.pairs, pool, touching);
   add_pair_forces(laws, history_dt, touching, spheres, pool, now);
-  wall_contacts = add_wall_forces(laws, walls, history_dt, spheres, lists.walls, pool, now);
+  add_wall_forces(laws, history_dt, lists.walls, walls, spheres, wall_contacts, now);
+  ++wall_load_steps;
   check_overlap(now);
   deepest.see(now.overlap, now.radius, now.sphere, now.other, now.is_wall);
 }
@@ -137,13 +143,26 @@ void Simulation::State::one_step() {
   const DriftResult moved = drift(box, dt, spheres);
   ++steps;
   if (moved.out >= 0) lost(static_cast<std::size_t>(moved.out));
-  if (4.0 * moved.moved2 > skin * skin) rebuild_lists();
+  walls.advance(time_s());
+  check_wall_speed();
+  const double moved_most = std::sqrt(moved.moved2);
+  if (moved_most > 0.5 * skin || moved_most + walls.displacement() > skin) rebuild_lists();
   compute_forces(dt);
+}
+
+/// A wall that jumped over the centre of a sphere would push it on.
+void Simulation::State::check_wall_speed() const {
+  const double speed = walls.largest_speed();
+  if (speed * dt <= kLargestWallStep * skin / options.skin_radii) return;
+  throw SimulationError("a wall moves with " + shortest(speed) + " m/s at time " +
+                        shortest(time_s()) +
+                        " s, by more than a quarter of the smallest radius in a time step of " +
+                        shortest(dt) + " s; lower time_step_rayleigh_fraction or its speed");
 }
 
 std::string Simulation::State::speed_and_time(std::size_t i) const {
   return "speed " + shortest(std::round(spheres.motion[i].v.norm() * 1e4) / 1e4) + " m/s, time " +
-         shortest(static_cast<double>(steps) * dt) + " s";
+         shortest(time_s()) + " s";
 }
 
 void Simulation::State::lost(std::size_t i) const {
@@ -151,7 +170,7 @@ void Simulation::State::lost(std::size_t i) const {
   const std::string name = "sphere " + std::to_string(spheres.id[i]);
   if (!x.allFinite())
     throw SimulationError(name + " has the position " + place_text(x) + " at time " +
-                          shortest(static_cast<double>(steps) * dt) +
+                          shortest(time_s()) +
                           " s; lower the time step (time_step_rayleigh_fraction)");
   throw SimulationError(name + " left the domain at " + place_text(x) + ", " + speed_and_time(i) +
                         "; close the gap in the walls, widen [domain] or lower the time step");
@@ -194,21 +213,45 @@ void Simulation::step(std::int64_t n) {
 void Simulation::open(const std::string& name) {
   const std::vector<int> found = scene::walls_named(state_->scene, name);
   if (found.empty()) throw InputError("wall \"" + name + "\" is not known; it cannot be opened");
-  for (int w : found) state_->walls[static_cast<std::size_t>(w)].present = false;
-  for (Neighbor& neighbor : state_->lists.walls.entries) {
-    if (neighbor.contact == kNoContact ||
-        state_->walls[static_cast<std::size_t>(neighbor.other)].present)
-      continue;
-    state_->pool.end_contact(neighbor.contact);
-    neighbor.contact = kNoContact;
+  for (const int w : found) {
+    state_->walls.open(static_cast<std::size_t>(w));
+    state_->wall_contacts.end_with(w);
   }
+}
+
+void Simulation::begin_stage(const std::string& name) {
+  const auto& stages = state_->scene.stages;
+  const auto stage = std::find_if(stages.begin(), stages.end(),
+                                  [&](const scene::Stage& s) { return s.name == name; });
+  if (stage == stages.end()) throw InputError("stage \"" + name + "\" is not in the case");
+  for (const std::string& wall : stage->opens) open(wall);
+  state_->walls.begin_stage(name, time_s());
+}
+
+std::vector<WallLoad> Simulation::take_wall_loads() {
+  std::vector<WallLoad> loads;
+  const double steps = static_cast<double>(std::max<std::int64_t>(state_->wall_load_steps, 1));
+  for (const WallLoadSum& sum : state_->walls.loads())
+    loads.push_back({sum.force / steps, sum.torque / steps, sum.work});
+  state_->walls.clear_loads();
+  state_->wall_load_steps = 0;
+  return loads;
+}
+
+std::vector<scene::WallPose> Simulation::wall_poses() const {
+  std::vector<scene::WallPose> poses;
+  for (std::size_t w = 0; w < state_->walls.size(); ++w) {
+    const WallBody& wall = state_->walls.at(w);
+    poses.push_back({wall.now.pose.turn, wall.now.pose.shift, !wall.present});
+  }
+  return poses;
 }
 
 std::int64_t Simulation::steps() const {
   return state_->steps;
 }
 double Simulation::time_s() const {
-  return static_cast<double>(state_->steps) * state_->dt;
+  return state_->time_s();
 }
 std::size_t Simulation::size() const {
   return state_->spheres.size();
@@ -258,7 +301,7 @@ double Simulation::kinetic_energy_j() {
 
 std::size_t Simulation::contacts() {
   state_->prepare();
-  return state_->touching.size() + state_->wall_contacts;
+  return state_->touching.size() + state_->wall_contacts.all.size();
 }
 
 double Simulation::take_largest_overlap_ratio() {

@@ -81,7 +81,8 @@ TEST(NeighborList, HoldsTheSamePairsAsTheSearchOfAll) {
       Spheres spheres = random_spheres(box, 600, 0.1 * s.largest, s.largest, seed++);
       NeighborLists lists;
       ContactPool pool;
-      rebuild(box, skin, {}, spheres, lists, pool);
+      WallContacts wall_contacts;
+      rebuild(box, skin, Walls(c), spheres, lists, pool, wall_contacts);
       EXPECT_EQ(listed(lists.pairs, spheres), all_pairs(box, skin, spheres));
     }
   }
@@ -97,7 +98,8 @@ TEST(NeighborList, CarriesHistoryThroughANewOrder) {
   Spheres spheres = random_spheres(box, 400, 0.03, 0.05, 7);
   NeighborLists lists;
   ContactPool pool;
-  rebuild(box, 0.02, {}, spheres, lists, pool);
+  WallContacts wall_contacts;
+  rebuild(box, 0.02, Walls(c), spheres, lists, pool, wall_contacts);
   const auto signature = [](std::int32_t a, std::int32_t b) { return Vec3(1.0 + a, 1.0 + b, 1.0); };
   std::size_t contacts = 0;
   for (std::size_t i = 0; i < spheres.size(); ++i)
@@ -115,7 +117,7 @@ TEST(NeighborList, CarriesHistoryThroughANewOrder) {
     }
   ASSERT_GT(contacts, 100u);
   for (Motion& sphere : spheres.motion) sphere.x = 1.0 * Vec3::Ones() - sphere.x;  // mirrored
-  rebuild(box, 0.02, {}, spheres, lists, pool);
+  rebuild(box, 0.02, Walls(c), spheres, lists, pool, wall_contacts);
   EXPECT_EQ(pool.size(), contacts);
   std::size_t seen = 0;
   for (std::size_t i = 0; i < spheres.size(); ++i)

@@ -1,32 +1,10 @@
 #include <gtest/gtest.h>
 
-#include "geometry/wall_surface.hpp"
 #include "repose/base/error.hpp"
-#include "repose/base/random.hpp"
 #include "small_cases.hpp"
 
 namespace repose::dem {
 namespace {
-
-TEST(Rectangle, ClosestPointMatchesASearchOverItsPoints) {
-  scene::Case c = empty_case({});
-  c.walls = {rectangle("r", {0.1, 0.2, 0.3}, {0.3, 0.4, 0.0}, {-0.4, 0.3, 0.5})};
-  const WallSurface wall = wall_surfaces(c)[0];
-  RandomStream random(3);
-  for (int t = 0; t < 50; ++t) {
-    const Vec3 x(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
-    double best = 1e9;
-    const int n = 200;
-    for (int a = 0; a <= n; ++a)
-      for (int b = 0; b <= n; ++b)
-        best = std::min(best, (wall.origin + wall.edge_u * a / n + wall.edge_v * b / n - x).norm());
-    const ClosestPoint point = closest_point(wall, x);
-    EXPECT_LE(point.distance, best + 1e-12);
-    EXPECT_GE(point.distance,
-              best - 0.5 / n);  // half of the mesh width, edges of length 0.5 to 0.7
-    EXPECT_NEAR(point.offset.norm(), point.distance, 1e-12);
-  }
-}
 
 /// A sphere that falls obliquely onto walls at z = 0, bounces and rolls along x across x = 0.
 std::vector<Sphere> rolled_over(const std::vector<scene::Wall>& walls) {

@@ -3,7 +3,7 @@
 
 #include "contact/contact_pool.hpp"
 #include "contact/law_table.hpp"
-#include "geometry/cross.hpp"
+#include "motion/rigid_motion.hpp"
 #include "particles/spheres.hpp"
 
 namespace repose::dem {
@@ -36,16 +36,17 @@ namespace repose::dem {
   return now;
 }
 
-/// Kinematics of a sphere at a wall, whose point of contact moves with `wall_velocity`. A wall is
-/// flat or large, so that its normal is taken at t alone.
+/// Kinematics of a sphere at a wall that moves with `twist`. A wall is flat or large, so that its
+/// normal is taken at t alone.
 inline ContactKinematics wall_kinematics(const Vec3& normal, double overlap, const Motion& sphere,
-                                         const Vec3& w, const Vec3& wall_velocity) {
+                                         const Vec3& w, const Twist& twist) {
+  const double arm = sphere.radius - 0.5 * overlap;
   ContactKinematics now;
   now.normal = normal;
   now.normal_half = normal;
   now.overlap = overlap;
-  now.velocity = sphere.v - wall_velocity + (sphere.radius - 0.5 * overlap) * cross(w, normal);
-  now.spin = w;
+  now.velocity = sphere.v - twist.at(sphere.x + arm * normal) + arm * cross(w, normal);
+  now.spin = w - twist.spin;
   return now;
 }
 

@@ -45,10 +45,14 @@ std::vector<ContactState> pair_states(const LawTable& laws, double dt,
                                       const std::vector<TouchingPair>& touching,
                                       const Spheres& spheres, const ContactPool& pool);
 
-/// Finds the contacts with walls and adds their forces to the loads, in list order, and what they
-/// store and lose to `energies` unless it is null; returns their number.
-std::size_t add_wall_forces(const LawTable& laws, const std::vector<WallSurface>& walls, double dt,
-                            Spheres& spheres, NeighborList& list, ContactPool& pool,
-                            DeepestOverlap& deepest, ContactEnergies* energies = nullptr);
+/// Finds the contacts with walls, adds their forces to the loads and to the loads of the walls, in
+/// list order, and what they store and lose to `energies` unless it is null.
+void add_wall_forces(const LawTable& laws, double dt, const WallList& list, Walls& walls,
+                     Spheres& spheres, WallContacts& contacts, DeepestOverlap& deepest,
+                     ContactEnergies* energies = nullptr);
+
+/// The contacts with walls, in order, as they are now; nothing changes.
+std::vector<ContactState> wall_states(const LawTable& laws, const Walls& walls,
+                                      const Spheres& spheres, const WallContacts& contacts);
 
 }  // namespace repose::dem

@@ -1,150 +1,100 @@
-#include <algorithm>
-#include <array>
-
 #include "contact/contact_evaluation.hpp"
 #include "contact/contact_forces.hpp"
-#include "repose/base/error.hpp"
+#include "contact/wall_touches.hpp"
 
 namespace repose::dem {
 namespace {
 
-constexpr double kSamePoint = 1e-9;  // of the radius
+constexpr double kSameContact = 0.9;  // least cosine between the normals of two steps
+constexpr std::int32_t kTaken = -1;   // stands for the patch of a contact that goes on
 
-/// One wall that a sphere touches.
-struct WallTouch {
-  ClosestPoint point;
-  std::int32_t entry;  // in the wall list
-  std::int32_t wall;
-};
-
-/// The walls that touch one sphere.
-struct Touches {
-  std::array<WallTouch, 32> items;
-  std::size_t count = 0;
-  void add(const WallTouch& touch) {
-    REPOSE_ASSERT(count < items.size(), "one sphere touches more than 32 walls");
-    items[count++] = touch;
-  }
-};
-
-/// Faces before rims, then by depth, then by wall: the order in which contacts are accepted.
-bool accepted_before(const WallTouch& a, const WallTouch& b) {
-  if (a.point.feature != b.point.feature) return a.point.feature == Feature::face;
-  if (a.point.distance != b.point.distance) return a.point.distance < b.point.distance;
-  return a.wall < b.wall;
+/// The contacts of one sphere in the step before: a run of all of them.
+std::span<WallContact> contacts_of(std::int32_t sphere, std::vector<WallContact>& all,
+                                   std::size_t& next) {
+  while (next < all.size() && all[next].sphere < sphere) ++next;
+  const std::size_t first = next;
+  while (next < all.size() && all[next].sphere == sphere) ++next;
+  return {all.data() + first, next - first};
 }
 
-/// Whether an accepted contact already does what `touch` would do: it meets the same point, or the
-/// rim of `touch` lies on its wall, as between neighbors in one plane or at a corner of a box.
-bool is_covered(const WallTouch& touch, const WallTouch& accepted, const Vec3& x, double radius,
-                const std::vector<WallSurface>& walls) {
-  const double tolerance = kSamePoint * radius;
-  if ((touch.point.offset - accepted.point.offset).squaredNorm() < tolerance * tolerance)
-    return true;
-  if (touch.point.feature == Feature::face) return false;
-  const Vec3 on_rim = x + touch.point.offset;
-  const WallSurface& wall = walls[static_cast<std::size_t>(accepted.wall)];
-  return std::abs(closest_point(wall, on_rim).distance) < tolerance;
+/// The contact that `push` goes on with, which is then taken; or a new one.
+Contact continued(const WallPush& push, std::span<WallContact> before, const Motion& sphere) {
+  WallContact* best = nullptr;
+  double best_cosine = kSameContact;
+  for (WallContact& candidate : before) {
+    if (candidate.patch != push.patch) continue;
+    const double cosine = candidate.normal.dot(push.normal);
+    if (cosine <= best_cosine) continue;
+    best = &candidate;
+    best_cosine = cosine;
+  }
+  if (best == nullptr) return {{}, sphere_wall(sphere.radius, 1.0 / sphere.inv_mass)};
+  best->patch = kTaken;
+  return best->contact;
 }
 
-/// Leaves each contact point once.
-void keep_distinct(const Vec3& x, double radius, const std::vector<WallSurface>& walls,
-                   Touches& touches) {
-  const auto begin = touches.items.begin();
-  std::sort(begin, begin + static_cast<std::ptrdiff_t>(touches.count), accepted_before);
-  std::size_t kept = 0;
-  for (std::size_t t = 0; t < touches.count; ++t) {
-    const WallTouch touch = touches.items[t];
-    bool covered = false;
-    for (std::size_t k = 0; k < kept && !covered; ++k)
-      covered = is_covered(touch, touches.items[k], x, radius, walls);
-    if (!covered) touches.items[kept++] = touch;
-  }
-  touches.count = kept;
-}
-
-/// The row of one sphere in the wall list.
-struct Row {
-  std::int32_t first, last;
-};
-
-/// The contact slot of an accepted touch: its own, else that of a wall of the same patch which the
-/// sphere has just left, so that rolling over a seam keeps the history; else a new one.
-std::int32_t contact_of(const WallTouch& touch, const Touches& touches, Row row,
-                        const std::vector<WallSurface>& walls, const Motion& sphere,
-                        NeighborList& list, ContactPool& pool) {
-  Neighbor& own = list.entries[static_cast<std::size_t>(touch.entry)];
-  if (own.contact != kNoContact) return own.contact;
-  const int patch = walls[static_cast<std::size_t>(touch.wall)].patch;
-  for (std::int32_t e = row.first; e < row.last; ++e) {
-    Neighbor& other = list.entries[static_cast<std::size_t>(e)];
-    if (other.contact == kNoContact || walls[static_cast<std::size_t>(other.other)].patch != patch)
-      continue;
-    bool in_use = false;
-    for (std::size_t t = 0; t < touches.count; ++t) in_use = in_use || touches.items[t].entry == e;
-    if (in_use) continue;
-    own.contact = other.contact;
-    other.contact = kNoContact;
-    return own.contact;
-  }
-  own.contact = pool.begin_contact(sphere_wall(sphere.radius, 1.0 / sphere.inv_mass));
-  return own.contact;
-}
-
-void end_separated(const Touches& touches, Row row, NeighborList& list, ContactPool& pool) {
-  for (std::int32_t e = row.first; e < row.last; ++e) {
-    Neighbor& neighbor = list.entries[static_cast<std::size_t>(e)];
-    if (neighbor.contact == kNoContact) continue;
-    bool touching = false;
-    for (std::size_t t = 0; t < touches.count; ++t)
-      touching = touching || touches.items[t].entry == e;
-    if (touching) continue;
-    pool.end_contact(neighbor.contact);
-    neighbor.contact = kNoContact;
-  }
+/// What the sphere does to the wall at the point x + arm n; `f` acts on the sphere.
+void add_to_wall(const ContactForce& f, const Vec3& point, const WallBody& wall, double dt,
+                 WallLoadSum& sum) {
+  sum.force -= f.force;
+  sum.torque -= cross(point - wall.now.reference, f.force) + f.rolling_torque;
+  if (wall.motion.empty()) return;
+  const Twist& twist = wall.now.twist;
+  sum.work += (f.force.dot(twist.at(point)) + f.rolling_torque.dot(twist.spin)) * dt;
 }
 
 }  // namespace
 
-std::size_t add_wall_forces(const LawTable& laws, const std::vector<WallSurface>& walls, double dt,
-                            Spheres& spheres, NeighborList& list, ContactPool& pool,
-                            DeepestOverlap& deepest, ContactEnergies* energies) {
-  std::size_t contacts = 0;
+void add_wall_forces(const LawTable& laws, double dt, const WallList& list, Walls& walls,
+                     Spheres& spheres, WallContacts& contacts, DeepestOverlap& deepest,
+                     ContactEnergies* energies) {
+  contacts.before.swap(contacts.all);
+  contacts.all.clear();
+  WallTouches touches;
+  std::size_t next = 0;
   for (std::size_t i = 0; i < spheres.size(); ++i) {
-    const Row row{list.first[i], list.first[i + 1]};
-    if (row.first == row.last) continue;
+    const std::span<const std::int32_t> facets = list.row(i);
+    if (facets.empty()) continue;
+    const auto id = static_cast<std::int32_t>(i);
     const Motion& sphere = spheres.motion[i];
-    Touches touches;
-    for (std::int32_t e = row.first; e < row.last; ++e) {
-      const std::int32_t w = list.entries[static_cast<std::size_t>(e)].other;
-      const WallSurface& wall = walls[static_cast<std::size_t>(w)];
-      if (!wall.present) continue;
-      const ClosestPoint point = closest_point(wall, sphere.x);
-      if (point.distance < sphere.radius) touches.add({point, e, w});
-    }
-    if (touches.count > 1) keep_distinct(sphere.x, sphere.radius, walls, touches);
+    const std::span<WallContact> before = contacts_of(id, contacts.before, next);
     Load& load = spheres.load[i];
-    for (std::size_t t = 0; t < touches.count; ++t) {
-      const WallTouch& touch = touches.items[t];
-      const WallSurface& wall = walls[static_cast<std::size_t>(touch.wall)];
+    for (const WallPush& push : touches.find(walls, sphere.x, sphere.radius, facets)) {
+      const WallBody& wall = walls.at(static_cast<std::size_t>(push.wall));
+      deepest.see(push.overlap, sphere.radius, id, push.wall, true);
+      contacts.all.push_back(
+          {id, push.patch, push.wall, push.normal, push.overlap, continued(push, before, sphere)});
+      Contact& contact = contacts.all.back().contact;
       const ContactKinematics now =
-          wall_kinematics(direction_to(wall, touch.point), sphere.radius - touch.point.distance,
-                          sphere, spheres.spin[i].w, Vec3::Zero());
-      deepest.see(now.overlap, sphere.radius, static_cast<std::int32_t>(i), touch.wall, true);
-      const double arm = sphere.radius - 0.5 * now.overlap;
-      Contact& contact = pool.at(contact_of(touch, touches, row, walls, sphere, list, pool));
+          wall_kinematics(push.normal, push.overlap, sphere, spheres.spin[i].w, wall.now.twist);
       const PairLaw& law = laws.at(spheres.material[i], wall.material);
       NoEnergies none;
       const ContactForce f = energies != nullptr
                                  ? contact_force(laws.model(), law, now, dt, contact, *energies)
                                  : contact_force(laws.model(), law, now, dt, contact, none);
+      const double arm = sphere.radius - 0.5 * push.overlap;
       load.force += f.force;
       load.torque += arm * cross(now.normal, f.tangential) + f.rolling_torque;
+      add_to_wall(f, sphere.x + arm * push.normal, wall, dt,
+                  walls.load(static_cast<std::size_t>(push.wall)));
     }
-    contacts += touches.count;
-    end_separated(touches, row, list, pool);
   }
-  return contacts;
+}
+
+std::vector<ContactState> wall_states(const LawTable& laws, const Walls& walls,
+                                      const Spheres& spheres, const WallContacts& contacts) {
+  std::vector<ContactState> states;
+  states.reserve(contacts.all.size());
+  for (const WallContact& contact : contacts.all) {
+    const auto i = static_cast<std::size_t>(contact.sphere);
+    const WallBody& wall = walls.at(static_cast<std::size_t>(contact.wall));
+    states.push_back(contact_state(
+        laws.model(), laws.at(spheres.material[i], wall.material), contact.contact.bodies,
+        wall_kinematics(contact.normal, contact.overlap, spheres.motion[i], spheres.spin[i].w,
+                        wall.now.twist),
+        contact.contact.history));
+  }
+  return states;
 }
 
 }  // namespace repose::dem

@@ -118,12 +118,6 @@ class Placed {
   std::vector<std::vector<Ball>> cells_;
 };
 
-bool clear_of_walls(const std::vector<WallSurface>& walls, const Vec3& x, double radius) {
-  for (const WallSurface& wall : walls)
-    if (wall.present && closest_point(wall, x).distance < radius) return false;
-  return true;
-}
-
 /// Where the centres of one layer may be.
 struct Slab {
   Vec3 lower, upper;
@@ -173,7 +167,7 @@ std::vector<double> draw_diameters(const scene::Layer& layer, double density_kg_
 }
 
 std::vector<scene::Particle> place_fill(const scene::Case& scene, const Box& box,
-                                        const std::vector<WallSurface>& walls) {
+                                        const Walls& walls) {
   const scene::Fill& fill = *scene.fill;
   double largest = 0.0;
   for (const scene::Layer& layer : fill.layers)
@@ -209,8 +203,7 @@ std::vector<scene::Particle> place_fill(const scene::Case& scene, const Box& box
       bool found = false;
       for (int t = 0; t < kTries && !found; ++t) {
         sphere.position = draw_position(slab, box, radius, random);
-        found = placed.is_free(sphere.position, radius) &&
-                clear_of_walls(walls, sphere.position, radius);
+        found = placed.is_free(sphere.position, radius) && walls.is_clear(sphere.position, radius);
       }
       if (!found) does_not_fit(scene, l, d, diameters, placed_mass);
       placed.add(sphere.position, radius);

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "geometry/box.hpp"
-#include "geometry/wall_surface.hpp"
+#include "geometry/walls.hpp"
 
 namespace repose::dem {
 
@@ -18,6 +18,6 @@ std::vector<double> draw_diameters(const scene::Layer& layer, double density_kg_
 /// Positions come from RandomStream(seed, 2 * layer + 1). Throws SimulationError with how much was
 /// placed.
 std::vector<scene::Particle> place_fill(const scene::Case& scene, const Box& box,
-                                        const std::vector<WallSurface>& walls);
+                                        const Walls& walls);
 
 }  // namespace repose::dem

@@ -81,19 +81,17 @@ NeighborList find_pairs(const Box& box, double skin, const CellGrid& grid,
   return list;
 }
 
-/// Walls that a sphere can reach by moving less than the skin.
-NeighborList find_walls(const std::vector<WallSurface>& walls, double skin,
-                        const std::vector<Motion>& motion, std::size_t expected) {
-  NeighborList list;
+/// Facets that a sphere can reach by moving less than the skin.
+WallList find_walls(const Walls& walls, double skin, const std::vector<Motion>& motion,
+                    std::size_t expected) {
+  WallList list;
   list.first.reserve(motion.size() + 1);
-  list.entries.reserve(expected);
+  list.facets.reserve(expected);
   for (const Motion& sphere : motion) {
-    list.first.push_back(static_cast<std::int32_t>(list.entries.size()));
-    for (std::size_t w = 0; w < walls.size(); ++w)
-      if (walls[w].present && closest_point(walls[w], sphere.x).distance < sphere.radius + skin)
-        list.entries.push_back({static_cast<std::int32_t>(w), kNoContact});
+    list.first.push_back(static_cast<std::int32_t>(list.facets.size()));
+    walls.add_near(sphere.x, sphere.radius + skin, list.facets);
   }
-  list.first.push_back(static_cast<std::int32_t>(list.entries.size()));
+  list.first.push_back(static_cast<std::int32_t>(list.facets.size()));
   return list;
 }
 
@@ -125,15 +123,6 @@ void carry_pairs(const NeighborList& old, const std::vector<std::int32_t>& new_i
     }
 }
 
-void carry_walls(const NeighborList& old, const std::vector<std::int32_t>& new_index,
-                 NeighborList& list) {
-  for (std::size_t i = 0; i + 1 < old.first.size(); ++i)
-    for (std::int32_t p = old.first[i]; p < old.first[i + 1]; ++p)
-      if (old.entries[index(p)].contact != kNoContact)
-        entry(list, new_index[i], old.entries[index(p)].other).contact =
-            old.entries[index(p)].contact;
-}
-
 /// Numbers the contacts in the order in which the lists meet them.
 void renumber(NeighborList& list, const ContactPool& old, ContactPool& pool) {
   for (Neighbor& neighbor : list.entries)
@@ -142,8 +131,8 @@ void renumber(NeighborList& list, const ContactPool& old, ContactPool& pool) {
 
 }  // namespace
 
-void rebuild(const Box& box, double skin, const std::vector<WallSurface>& walls, Spheres& spheres,
-             NeighborLists& lists, ContactPool& pool) {
+void rebuild(const Box& box, double skin, const Walls& walls, Spheres& spheres,
+             NeighborLists& lists, ContactPool& pool, WallContacts& wall_contacts) {
   CellGrid grid(box, spheres.motion, 2.0 * largest_radius(spheres) + skin);
   const std::vector<std::int32_t> order = sphere_order(grid, spheres);
   apply_order(order, spheres);
@@ -155,15 +144,14 @@ void rebuild(const Box& box, double skin, const std::vector<WallSurface>& walls,
   built.pairs = with_periodic_mask(box, [&]<int kMask>() {
     return find_pairs<kMask>(box, skin, grid, spheres.motion, lists.pairs.entries.size() + 64);
   });
-  built.walls = find_walls(walls, skin, spheres.motion, lists.walls.entries.size() + 64);
+  built.walls = find_walls(walls, skin, spheres.motion, lists.walls.facets.size() + 64);
   std::vector<std::int32_t> new_index(order.size());
   for (std::size_t i = 0; i < order.size(); ++i)
     new_index[index(order[i])] = static_cast<std::int32_t>(i);
   carry_pairs(lists.pairs, new_index, built.pairs, pool);
-  carry_walls(lists.walls, new_index, built.walls);
+  wall_contacts.follow_order(new_index);
   ContactPool renumbered = pool.emptied();
   renumber(built.pairs, pool, renumbered);
-  renumber(built.walls, pool, renumbered);
   pool = std::move(renumbered);
   lists = std::move(built);
 

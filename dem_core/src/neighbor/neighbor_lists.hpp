@@ -2,18 +2,20 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "contact/contact_pool.hpp"
+#include "contact/wall_contacts.hpp"
 #include "geometry/box.hpp"
-#include "geometry/wall_surface.hpp"
+#include "geometry/walls.hpp"
 #include "particles/spheres.hpp"
 
 namespace repose::dem {
 
-/// A sphere (or wall) that may come to touch, and their contact if they do.
+/// A sphere that may come to touch, and the contact if it does.
 struct Neighbor {
-  std::int32_t other;    ///< index of a sphere, greater than that of the row; or of a wall
+  std::int32_t other;    ///< index of a sphere, greater than that of the row
   std::int32_t contact;  ///< in the pool, kNoContact while they do not touch
 };
 
@@ -23,17 +25,27 @@ struct NeighborList {
   std::vector<Neighbor> entries;
 };
 
-/// Both lists of a simulation. They hold every pair and every wall that can come to touch before a
-/// sphere has moved by skin/2.
+/// Compressed rows of the facets that a sphere may come to touch, as numbered by Walls.
+struct WallList {
+  std::vector<std::int32_t> first;
+  std::vector<std::int32_t> facets;
+
+  std::span<const std::int32_t> row(std::size_t i) const {
+    return {facets.data() + first[i], static_cast<std::size_t>(first[i + 1] - first[i])};
+  }
+};
+
+/// Both lists of a simulation. They hold every pair that can come to touch before a sphere has
+/// moved by skin/2, and every facet before a sphere and its wall together have moved by the skin.
 struct NeighborLists {
   NeighborList pairs;
-  NeighborList walls;
+  WallList walls;
 };
 
 /// Sorts the spheres by (cell, id), builds both lists anew and takes the contacts with their
 /// history from the old ones. Pairs (i, j) are listed by ascending i, then j: the order of every
 /// sum.
-void rebuild(const Box& box, double skin, const std::vector<WallSurface>& walls, Spheres& spheres,
-             NeighborLists& lists, ContactPool& pool);
+void rebuild(const Box& box, double skin, const Walls& walls, Spheres& spheres,
+             NeighborLists& lists, ContactPool& pool, WallContacts& wall_contacts);
 
 }  // namespace repose::dem

@@ -136,7 +136,7 @@ class Runner {
   }
 
   void run_stage(Simulation& sim, const scene::Stage& stage) {
-    for (const std::string& wall : stage.opens) sim.open(wall);
+    sim.begin_stage(stage.name);
     const std::int64_t last_step = sim.steps() + steps_of(stage.duration_s, dt_);
     StageWatch watch(scene_, stage, sim.time_s(), weight_scale_j_);
     watch.ends_with(last_row_);

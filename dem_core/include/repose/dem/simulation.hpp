@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "repose/dem/contact_law.hpp"
-#include "repose/scene/case.hpp"
+#include "repose/scene/run_records.hpp"
 
 namespace repose::dem {
 
@@ -21,6 +21,14 @@ struct Sphere {
   Vec3 position = Vec3::Zero();
   Vec3 velocity = Vec3::Zero();
   Vec3 angular_velocity = Vec3::Zero();
+};
+
+/// What particles did to one wall since the last reading.
+struct WallLoad {
+  Vec3 force_n = Vec3::Zero();  ///< mean over the steps
+  /// About the centre of the wall's first rotation, else about the origin; mean over the steps.
+  Vec3 torque_n_m = Vec3::Zero();
+  double work_j = 0.0;  ///< done by the wall on particles
 };
 
 struct SimulationOptions {
@@ -51,6 +59,9 @@ class Simulation {
   void step(std::int64_t n = 1);
   /// Takes a wall, or all walls of a box, away. Throws InputError for an unknown name.
   void open(const std::string& wall);
+  /// Begins a stage of the case: opens its walls, and its motions start to count. Throws InputError
+  /// for an unknown name.
+  void begin_stage(const std::string& name);
 
   std::int64_t steps() const;
   double time_s() const;
@@ -65,6 +76,10 @@ class Simulation {
   std::size_t contacts();
   /// Largest overlap of any contact over the smaller radius since the last call of this function.
   double take_largest_overlap_ratio();
+  /// Loads on the walls, in the order of the case, since the last call of this function.
+  std::vector<WallLoad> take_wall_loads();
+  /// Where the walls are, in the order of the case.
+  std::vector<scene::WallPose> wall_poses() const;
   /// Neighbor list builds so far.
   std::int64_t rebuilds() const;
   /// Pairs of ids in the neighbor list, smaller first, sorted; for tests.

@@ -1,0 +1,97 @@
+#include "contact/wall_touches.hpp"
+
+#include <algorithm>
+
+namespace repose::dem {
+namespace {
+
+/// Points closer than this part of the radius are one: beyond the rounding of drawings in single
+/// precision, below what matters to a sphere.
+constexpr double kSamePoint = 1e-4;
+
+}  // namespace
+
+bool WallTouches::comes_before(const Touch& a, const Touch& b) {
+  if (a.point.feature != b.point.feature) return a.point.feature == Feature::face;
+  if (a.point.distance != b.point.distance) return a.point.distance < b.point.distance;
+  return a.facet < b.facet;
+}
+
+const std::vector<WallPush>& WallTouches::find(const Walls& walls, const Vec3& x, double radius,
+                                               std::span<const std::int32_t> facets) {
+  touches_.clear();
+  pushes_.clear();
+  for (const std::int32_t f : facets) {
+    if (!walls.wall_of(walls.facet(f)).present) continue;
+    const ClosestPoint point = walls.closest_point(f, x);
+    if (point.distance < radius) touches_.push_back({point, f, 0});
+  }
+  if (touches_.empty()) return pushes_;
+  select(walls, x, radius);
+  group_smooth(walls);
+  merge_groups(walls, radius);
+  return pushes_;
+}
+
+void WallTouches::select(const Walls& walls, const Vec3& x, double radius) {
+  accepted_.clear();
+  if (touches_.size() > 1) std::sort(touches_.begin(), touches_.end(), comes_before);
+  for (std::size_t t = 0; t < touches_.size(); ++t)
+    if (!is_dropped(walls, x, radius, t)) accepted_.push_back(touches_[t]);
+}
+
+bool WallTouches::is_dropped(const Walls& walls, const Vec3& x, double radius,
+                             std::size_t t) const {
+  const double tolerance = kSamePoint * radius;
+  const Touch& touch = touches_[t];
+  const Vec3 offset = touch.point.offset();
+  for (const Touch& other : accepted_)
+    if ((offset - other.point.offset()).squaredNorm() < tolerance * tolerance) return true;
+  if (touch.point.feature == Feature::face) return false;
+  const Vec3 on_rim = x + offset;
+  for (std::size_t k = t; k-- > 0;)  // those of similar depth are the likely ones
+    if (std::abs(walls.closest_point(touches_[k].facet, on_rim).distance) < tolerance) return true;
+  return false;
+}
+
+/// Numbers the accepted touches so that those of one smooth contact have the same group.
+void WallTouches::group_smooth(const Walls& walls) {
+  for (std::size_t a = 0; a < accepted_.size(); ++a) {
+    accepted_[a].group = static_cast<std::int32_t>(a);
+    const Facet& facet = walls.facet(accepted_[a].facet);
+    for (std::size_t b = 0; b < a; ++b) {
+      if (walls.facet(accepted_[b].facet).patch != facet.patch) continue;
+      const double cosine = accepted_[a].point.direction.dot(accepted_[b].point.direction);
+      if (cosine < walls.wall_of(facet).smooth_cosine) continue;
+      const std::int32_t from = accepted_[a].group;
+      const std::int32_t to = accepted_[b].group;
+      for (std::size_t c = 0; c <= a; ++c)
+        if (accepted_[c].group == from) accepted_[c].group = to;
+    }
+  }
+}
+
+void WallTouches::merge_groups(const Walls& walls, double radius) {
+  for (std::size_t a = 0; a < accepted_.size(); ++a) {
+    const std::int32_t group = accepted_[a].group;
+    bool first = true;
+    for (std::size_t b = 0; b < a; ++b) first = first && accepted_[b].group != group;
+    if (!first) continue;
+    const Facet& facet = walls.facet(accepted_[a].facet);
+    WallPush push{accepted_[a].point.direction, radius - accepted_[a].point.distance, facet.wall,
+                  facet.patch};
+    Vec3 weighted = push.overlap * push.normal;
+    bool merged = false;
+    for (std::size_t b = a + 1; b < accepted_.size(); ++b) {
+      if (accepted_[b].group != group) continue;
+      const double overlap = radius - accepted_[b].point.distance;
+      push.overlap = std::max(push.overlap, overlap);
+      weighted += overlap * accepted_[b].point.direction;
+      merged = true;
+    }
+    if (merged) push.normal = weighted.normalized();
+    pushes_.push_back(push);
+  }
+}
+
+}  // namespace repose::dem

@@ -1,0 +1,235 @@
+#include "geometry/walls.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "geometry/smooth_patches.hpp"
+#include "repose/base/error.hpp"
+
+namespace repose::dem {
+namespace {
+
+constexpr double kSameDirection = 1e-12;  // of the cosine
+constexpr double kSameHeight = 1e-9;      // of the size of two walls
+
+std::size_t index(std::int32_t i) {
+  return static_cast<std::size_t>(i);
+}
+
+/// The facets of a shape; patches are numbered from 0 within it.
+std::vector<Facet> facets_of(const scene::Plane& shape) {
+  return {plane_facet(shape.origin, shape.normal)};
+}
+std::vector<Facet> facets_of(const scene::Rectangle& shape) {
+  return {rectangle_facet(shape.origin, shape.edge_u, shape.edge_v)};
+}
+std::vector<Facet> facets_of(const scene::Disc& shape) {
+  return {revolved_facet(shape.centre, shape.normal, shape.inner_radius_m, shape.radius_m, 0.0)};
+}
+std::vector<Facet> facets_of(const scene::Cone& shape) {
+  const Vec3 axis = shape.end - shape.start;
+  return {revolved_facet(shape.start, axis, shape.start_radius_m, shape.end_radius_m, axis.norm())};
+}
+std::vector<Facet> facets_of(const scene::Mesh& shape) {
+  const scene::LoadedMesh loaded = scene::load_mesh(shape);
+  const std::vector<std::int32_t> patches = smooth_patches(loaded.mesh, shape.smooth_deg);
+  std::vector<Facet> facets;
+  facets.reserve(patches.size());
+  for (std::size_t t = 0; t < patches.size(); ++t) {
+    facets.push_back(triangle_facet(loaded.mesh.corner(t, 0), loaded.mesh.corner(t, 1),
+                                    loaded.mesh.corner(t, 2)));
+    facets.back().patch = patches[t];
+  }
+  return facets;
+}
+
+bool is_flat(const Facet& facet) {
+  return facet.kind != FacetKind::revolved || facet.length == 0.0;
+}
+
+double size_of(const Facet& facet) {
+  return std::sqrt(facet.uu) + std::sqrt(facet.vv) + facet.end_radius;
+}
+
+bool in_one_plane(const Facet& a, const Facet& b) {
+  if (!is_flat(a) || !is_flat(b)) return false;
+  if (std::abs(a.normal.dot(b.normal)) < 1.0 - kSameDirection) return false;
+  const Vec3 offset = b.origin - a.origin;
+  return std::abs(offset.dot(a.normal)) <= kSameHeight * (offset.norm() + size_of(a) + size_of(b));
+}
+
+void refuse_tilting_plane(const scene::Wall& wall, const scene::Case& scene) {
+  const auto* plane = std::get_if<scene::Plane>(&wall.shape);
+  if (plane == nullptr) return;
+  const Vec3 normal = plane->normal.normalized();
+  for (const scene::Motion& motion : scene.motions) {
+    const auto* rotation = std::get_if<scene::Rotation>(&motion.path);
+    if (rotation == nullptr ||
+        cross(rotation->axis.normalized(), normal).norm() <= std::sqrt(kSameDirection))
+      continue;
+    for (const std::string& name : motion.walls)
+      for (const int w : scene::walls_named(scene, name))
+        if (scene.walls[static_cast<std::size_t>(w)].name == wall.name)
+          throw InputError("wall \"" + wall.name +
+                           "\": an infinite plane can turn about its normal only; make it a "
+                           "rectangle or a disc");
+  }
+}
+
+/// Calls visit for the corners of a box.
+template <class Visit>
+void for_corners(const Bounds& box, const Visit& visit) {
+  for (int c = 0; c < 8; ++c)
+    visit(Vec3((c & 1) != 0 ? box.upper.x() : box.lower.x(),
+               (c & 2) != 0 ? box.upper.y() : box.lower.y(),
+               (c & 4) != 0 ? box.upper.z() : box.lower.z()));
+}
+
+/// A bound on how far apart a wall is in two poses.
+double distance_between(const Facet& first, const WallBody& wall, const Pose& a, const Pose& b) {
+  const auto moved = [&](const Vec3& x) -> Vec3 { return a.to_world(x) - b.to_world(x); };
+  const auto turned = [&](const Vec3& v) -> Vec3 {
+    return a.direction_to_world(v) - b.direction_to_world(v);
+  };
+  if (first.kind == FacetKind::plane)
+    return std::abs(moved(first.origin).dot(a.direction_to_world(first.normal)));
+  if (first.kind == FacetKind::revolved) {
+    // Fixed by its axis: a point moves with the axis at its height and turns with it.
+    const double tilt = turned(first.normal).norm();
+    return std::max(
+        moved(first.origin).norm() + first.start_radius * tilt,
+        moved(first.origin + first.length * first.normal).norm() + first.end_radius * tilt);
+  }
+  // A displacement is linear in the point, so that it is largest at a corner of the box.
+  double largest = 0.0;
+  for_corners(wall.tree.bounds(),
+              [&](const Vec3& corner) { largest = std::max(largest, moved(corner).norm()); });
+  return largest;
+}
+
+}  // namespace
+
+Walls::Walls(const scene::Case& scene) {
+  bodies_.reserve(scene.walls.size());
+  for (std::size_t w = 0; w < scene.walls.size(); ++w) {
+    const scene::Wall& wall = scene.walls[w];
+    refuse_tilting_plane(wall, scene);
+    const auto first = static_cast<std::int32_t>(facets_.size());
+    for (Facet& facet :
+         std::visit([](const auto& shape) { return facets_of(shape); }, wall.shape)) {
+      facet.wall = static_cast<std::int32_t>(w);
+      facets_.push_back(facet);
+    }
+    const auto last = static_cast<std::int32_t>(facets_.size());
+    WallBody body{.material = scene::material_index(scene, wall.material),
+                  .first_facet = first,
+                  .last_facet = last,
+                  .tree = FacetTree(facets_, first, last),
+                  .motion = WallMotion(scene, w)};
+    if (const auto* mesh = std::get_if<scene::Mesh>(&wall.shape))
+      body.smooth_cosine = std::cos(mesh->smooth_deg * std::numbers::pi / 180.0) - kSameDirection;
+    bodies_.push_back(std::move(body));
+  }
+  number_patches();
+  advance(0.0);
+  mark_listed();
+  clear_loads();
+}
+
+/// Numbers the patches of all walls; primitives of one material that lie in one plane and move
+/// alike share theirs.
+void Walls::number_patches() {
+  std::int32_t next = 0;
+  for (std::size_t w = 0; w < bodies_.size(); ++w) {
+    const WallBody& body = bodies_[w];
+    const bool is_primitive = body.last_facet - body.first_facet == 1;
+    std::int32_t shared = -1;
+    for (std::size_t other = 0; is_primitive && shared < 0 && other < w; ++other) {
+      const WallBody& earlier = bodies_[other];
+      if (earlier.last_facet - earlier.first_facet == 1 && earlier.material == body.material &&
+          earlier.motion.same_as(body.motion) &&
+          in_one_plane(facet(earlier.first_facet), facet(body.first_facet)))
+        shared = facet(earlier.first_facet).patch;
+    }
+    const std::int32_t offset = next;
+    for (std::int32_t f = body.first_facet; f < body.last_facet; ++f) {
+      std::int32_t& patch = facets_[index(f)].patch;
+      patch = shared >= 0 ? shared : offset + patch;
+      next = std::max(next, patch + 1);
+    }
+  }
+}
+
+void Walls::begin_stage(const std::string& name, double time_s) {
+  for (WallBody& body : bodies_) body.motion.begin_stage(name, time_s);
+}
+
+void Walls::advance(double time_s) {
+  for (WallBody& body : bodies_)
+    if (!body.motion.empty()) body.now = body.motion.at(time_s);
+}
+
+double Walls::displacement() const {
+  double largest = 0.0;
+  for (const WallBody& body : bodies_)
+    if (body.present && !body.motion.empty())
+      largest = std::max(
+          largest, distance_between(facet(body.first_facet), body, body.now.pose, body.listed));
+  return largest;
+}
+
+void Walls::mark_listed() {
+  for (WallBody& body : bodies_) body.listed = body.now.pose;
+}
+
+double Walls::largest_speed() const {
+  double largest = 0.0;
+  for (const WallBody& body : bodies_) {
+    if (!body.present || body.motion.empty()) continue;
+    const auto see = [&](const Vec3& drawn) {
+      largest = std::max(largest, body.now.twist.at(body.now.pose.to_world(drawn)).norm());
+    };
+    const Facet& first = facet(body.first_facet);
+    if (first.kind == FacetKind::plane)
+      see(first.origin);
+    else
+      for_corners(body.tree.bounds(), see);
+  }
+  return largest;
+}
+
+ClosestPoint Walls::closest_point(std::int32_t i, const Vec3& x) const {
+  const Facet& of = facet(i);
+  const Pose& pose = wall_of(of).now.pose;
+  if (pose.is_identity) return dem::closest_point(of, x);
+  ClosestPoint point = dem::closest_point(of, pose.to_drawn(x));
+  point.direction = pose.direction_to_world(point.direction);
+  return point;
+}
+
+void Walls::add_near(const Vec3& x, double reach, std::vector<std::int32_t>& facets) const {
+  for (const WallBody& body : bodies_) {
+    if (!body.present) continue;
+    const Vec3 drawn = body.now.pose.to_drawn(x);
+    body.tree.visit_near(drawn, reach, [&](std::int32_t i) {
+      if (dem::closest_point(facet(i), drawn).distance < reach) facets.push_back(i);
+    });
+  }
+}
+
+bool Walls::is_clear(const Vec3& x, double radius) const {
+  for (const WallBody& body : bodies_) {
+    if (!body.present) continue;
+    const Vec3 drawn = body.now.pose.to_drawn(x);
+    bool clear = true;
+    body.tree.visit_near(drawn, radius, [&](std::int32_t i) {
+      clear = clear && !(dem::closest_point(facet(i), drawn).distance < radius);
+    });
+    if (!clear) return false;
+  }
+  return true;
+}
+
+}  // namespace repose::dem
