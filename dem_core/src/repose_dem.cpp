@@ -12,6 +12,7 @@
 #include "repose/base/file.hpp"
 #include "repose/base/text.hpp"
 #include "repose/dem/run_case.hpp"
+#include "repose/scene/case_keys.hpp"
 
 namespace {
 
@@ -22,30 +23,16 @@ void note_signal(int number) {
   signal_seen = number;
 }
 
-constexpr const char* kFooter =
-    "Example:\n"
-    "  repose-dem tests/data/quick_drawdown.toml -o run\n"
-    "\n"
-    "Keys of the case file (SI; docs/methods/dem.md has the whole table):\n"
-    "  gravity_m_s2 = [0, 0, -9.81]\n"
-    "  [run]         seed, time_step_rayleigh_fraction\n"
-    "  [domain]      lower_m, upper_m, periodic = [\"y\"]\n"
-    "  [[material]]  name, density_kg_m3, youngs_modulus_pa | shear_modulus_pa, poissons_ratio\n"
-    "  [[pair]]      materials = [\"a\", \"b\"], restitution, mu_s, mu_r, rolling_damping\n"
-    "  [[wall]]      name, material, shape = \"plane\" | \"rectangle\", origin_m,\n"
-    "                normal | edge_u_m and edge_v_m\n"
-    "  [[box]]       name, material, lower_m, upper_m, open = [\"+z\"]\n"
-    "  [[region]]    name, x_above_m, x_below_m, ... z_below_m\n"
-    "  [fill]        lower_m, upper_m, solid_fraction\n"
-    "  [[fill.layer]] material, mass_kg, sizes = [{diameter_m, mass_fraction}, ...]\n"
-    "  [[particle]]  material, radius_m, position_m, velocity_m_s, angular_velocity_rad_s\n"
-    "  [[stage]]     name, opens = [\"wall\"], duration_s, minimum_s,\n"
-    "                at_rest = {kinetic_energy_ratio, window_s},\n"
-    "                flow_ends = {region, fraction, window_s}\n"
-    "  [output]      snapshot_interval_s, series_interval_s\n"
-    "\n"
-    "Exit codes: 0 done, 1 internal error, 2 usage, 3 bad input, 5 simulation failure or\n"
-    "interrupted, 6 file or storage.";
+std::string footer() {
+  return "Example:\n"
+         "  repose-dem tests/data/quick_drawdown.toml -o run\n"
+         "\n"
+         "Keys of the case file (TOML, SI): key, unit, (default), meaning\n" +
+         repose::scene::case_keys_text() +
+         "\n"
+         "Exit codes: 0 done, 1 internal error, 2 usage, 3 bad input, 5 simulation failure or\n"
+         "interrupted, 6 file or storage.";
+}
 
 struct Options {
   std::string case_file;
@@ -128,9 +115,10 @@ void run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Runs a discrete element simulation: spheres between walls, from a case file.",
-               "repose-dem");
-  app.footer(kFooter);
+  CLI::App app(
+      "Runs a discrete element simulation: spheres and clumps between walls, from a case file.",
+      "repose-dem");
+  app.footer(footer());
   Options options;
   app.add_option("case", options.case_file, "Case file")->required();
   app.add_option("-o,--output", options.output, "Folder of the run, or RUN.h5 for one file")

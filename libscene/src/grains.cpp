@@ -42,6 +42,16 @@ std::vector<SizeClass> size_classes(const Sizes& sizes) {
   return classes_of(std::get<RosinRammler>(sizes));
 }
 
+double mass_between_cut_offs(const Sizes& sizes) {
+  const auto between = [](const auto& distribution) {
+    return finer(distribution, distribution.upper_diameter_m) -
+           finer(distribution, distribution.lower_diameter_m);
+  };
+  if (const auto* log_normal = std::get_if<LogNormal>(&sizes)) return between(*log_normal);
+  if (const auto* rosin = std::get_if<RosinRammler>(&sizes)) return between(*rosin);
+  return 1.0;
+}
+
 double largest_diameter_m(const Sizes& sizes) {
   if (const auto* log_normal = std::get_if<LogNormal>(&sizes)) return log_normal->upper_diameter_m;
   if (const auto* rosin = std::get_if<RosinRammler>(&sizes)) return rosin->upper_diameter_m;

@@ -38,7 +38,7 @@ TEST(RunOutput, OfAFinishedRunReadsBackWhole) {
   const Case scene = sample_case();
   RunWriter writer(scratch.path, scene);
   const std::size_t columns = region_columns(scene).size();
-  EXPECT_EQ(columns, 6u);  // two regions, each in all and of two materials
+  EXPECT_EQ(columns, 9u);  // three regions, each in all and of two materials
   const int rows = 10000;  // several chunks
   for (int k = 0; k < rows; ++k)
     writer.add_row({0.1 * k, 1.0 / (k + 1), 0.01, k, std::vector<double>(columns, 2.0 * k)});
@@ -89,7 +89,7 @@ TEST(RunOutput, OfANewRunReplacesThatOfTheOld) {
   const Scratch scratch;
   {
     RunWriter writer(scratch.path, sample_case());
-    writer.add_row({0, 0, 0, 0, std::vector<double>(6, 0.0)});
+    writer.add_row({0, 0, 0, 0, std::vector<double>(9, 0.0)});
     writer.write_snapshot(sample_snapshot(0.5, "fill"));
     writer.finish({});
   }

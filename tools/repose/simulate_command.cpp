@@ -117,7 +117,9 @@ void add_simulate(CLI::App& app) {
   auto* command =
       add_command(app, "simulate", "Runs a scenario once and measures its KPIs",
                   "repose simulate scenario.toml --set mu_s_pp=0.5 --set mu_r_pp=0.2 -o run\n"
-                  "with scenario.toml:\n  scenario = \"drawdown\"\n  preset = \"quick\"",
+                  "with scenario.toml:\n  scenario = \"drawdown\"\n  preset = \"quick\"\n"
+                  "The scenario becomes the case OUTPUT/case.toml, whose keys, units and defaults\n"
+                  "repose-dem --help lists.",
                   o->common);
   command->add_option("SCENARIO", o->scenario, "TOML file of the scenario")->required();
   command->add_option("--set", o->settings,

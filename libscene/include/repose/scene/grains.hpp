@@ -43,6 +43,8 @@ using Sizes = std::variant<std::vector<SizeClass>, LogNormal, RosinRammler>;
 /// Any sizes as classes whose mass fractions sum to 1: a continuous distribution becomes 64 classes
 /// between its cut-offs, equal in the logarithm of the diameter.
 std::vector<SizeClass> size_classes(const Sizes& sizes);
+/// The share of a distribution's mass that lies between its cut-offs; 1 for classes.
+double mass_between_cut_offs(const Sizes& sizes);
 /// The largest diameter that can occur; 0 if there are no sizes.
 double largest_diameter_m(const Sizes& sizes);
 double smallest_diameter_m(const Sizes& sizes);
