@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <optional>
 #include <system_error>
 #include <utility>
 
 #include "repose/base/error.hpp"
 #include "repose/base/file.hpp"
 #include "repose/base/text.hpp"
+#include "repose/scene/vtp.hpp"
 #include "repose/table/io.hpp"
 #include "row_table.hpp"
 #include "run_tables.hpp"
@@ -38,6 +40,7 @@ struct RunWriter::State {
   fs::path directory;
   std::string case_text;
   RowTable series, walls, contacts, energy;
+  std::optional<VtpWriter> vtp{};
   int snapshots = 0;
 
   State(fs::path at, const Case& scene)
@@ -63,6 +66,7 @@ RunWriter::RunWriter(fs::path directory, const Case& scene)
   make_directory(folder / "snapshots");
   make_directory(folder / "series");
   write_file_atomically(folder / "case.toml", state_->case_text);
+  if (scene.output.vtp) state_->vtp.emplace(folder / "vtp", scene);
 }
 
 RunWriter::~RunWriter() = default;
@@ -82,11 +86,12 @@ void RunWriter::add_row(const EnergyRow& row) {
   state_->energy.add(values_of(row));
 }
 
-void RunWriter::write_snapshot(const Snapshot& snapshot, const std::vector<WallPose>&) {
+void RunWriter::write_snapshot(const Snapshot& snapshot, const std::vector<WallPose>& poses) {
   // So that time series on disk are never older than the snapshots.
   for (RowTable* table : state_->tables()) table->flush();
   table::write_table({state_->snapshot_file(state_->snapshots + 1), "/table"}, table_of(snapshot));
   ++state_->snapshots;
+  if (state_->vtp) state_->vtp->write(snapshot, poses);
 }
 
 void RunWriter::log(std::string_view line) {

@@ -17,6 +17,17 @@ struct Scratch {
   ~Scratch() { std::filesystem::remove_all(path); }
 };
 
+/// The sample without VTP files, for which its mesh would have to be there.
+Case recorded_case() {
+  Case scene = sample_case();
+  scene.output.vtp = false;
+  return scene;
+}
+
+SeriesRow series_row() {
+  return {.region_mass_kg = std::vector<double>(region_columns(sample_case()).size(), 0.0)};
+}
+
 Snapshot sample_snapshot(double time, const std::string& stage) {
   Snapshot s;
   s.time_s = time;
@@ -35,7 +46,7 @@ Snapshot sample_snapshot(double time, const std::string& stage) {
 
 TEST(RunOutput, OfAFinishedRunReadsBackWhole) {
   const Scratch scratch;
-  const Case scene = sample_case();
+  const Case scene = recorded_case();
   RunWriter writer(scratch.path, scene);
   const std::size_t columns = region_columns(scene).size();
   EXPECT_EQ(columns, 9u);  // three regions, each in all and of two materials
@@ -46,6 +57,13 @@ TEST(RunOutput, OfAFinishedRunReadsBackWhole) {
   writer.write_snapshot(sample_snapshot(2.5, "open"));
   RunSummary summary;
   summary.steps = 123;
+  summary.spheres = 5;
+  summary.bodies = {.inserted = 4,
+                    .removed = 1,
+                    .alive = 3,
+                    .inserted_kg = 0.4,
+                    .removed_kg = 0.1,
+                    .alive_kg = 0.3};
   summary.engine = "test";
   summary.seed = 42;
   summary.stages = {{"fill", 0.5, "at rest"}, {"open", 2.5, "duration"}};
@@ -55,6 +73,8 @@ TEST(RunOutput, OfAFinishedRunReadsBackWhole) {
 
   const scene::Run run = read_run(scratch.path);
   EXPECT_EQ(run.summary().steps, 123);
+  EXPECT_EQ(run.summary().spheres, 5);
+  EXPECT_TRUE(run.summary().bodies == summary.bodies);
   EXPECT_EQ(run.summary().stages[0].reason, "at rest");
   EXPECT_TRUE(run.scene() == scene);
   ASSERT_EQ(run.series().rows(), static_cast<std::size_t>(rows));
@@ -64,6 +84,7 @@ TEST(RunOutput, OfAFinishedRunReadsBackWhole) {
   ASSERT_EQ(run.snapshots().size(), 2u);
   const Snapshot last = run.end_of("open");
   EXPECT_EQ(last.time_s, 2.5);
+  EXPECT_EQ(last.body, (std::vector<std::int64_t>{0, 0}));
   EXPECT_EQ(last.radius_m[1], 1.0 / 300.0);
   EXPECT_EQ(last.position[0], Vec3(1, 2, 3));
   EXPECT_EQ(last.velocity[0].z(), 1e-17);
@@ -72,9 +93,97 @@ TEST(RunOutput, OfAFinishedRunReadsBackWhole) {
   EXPECT_THROW(run.snapshot(2), InputError);
 }
 
+TEST(RunOutput, KeepsTheForcesOnEachWall) {
+  const Scratch scratch;
+  const Case scene = recorded_case();
+  RunWriter writer(scratch.path, scene);
+  const std::size_t walls = scene.walls.size();
+  WallRow row{0.25, std::vector<Vec3>(walls, Vec3(1, 2, 3)),
+              std::vector<Vec3>(walls, Vec3(4, 5, 6))};
+  row.force_n.back() = {0, 0, -1.0 / 3.0};
+  writer.add_row(series_row());
+  writer.add_row(row);
+  writer.finish({});
+  const table::Table table = read_run(scratch.path).walls();
+  ASSERT_EQ(table.columns().size(), 1 + 6 * walls);
+  EXPECT_EQ(table.numbers("time_s"), std::vector<double>{0.25});
+  EXPECT_EQ(table.numbers("fy_bin.-z_n"), std::vector<double>{2.0});
+  EXPECT_EQ(table.numbers("tz_bin.-z_n_m"), std::vector<double>{6.0});
+  EXPECT_EQ(table.numbers("fz_ground_n"), std::vector<double>{-1.0 / 3.0});
+  EXPECT_EQ(table.column("fz_ground_n").unit, "N");
+  EXPECT_EQ(table.column("tz_ground_n_m").unit, "N m");
+}
+
+TEST(RunOutput, KeepsContactsByPairOfMaterials) {
+  const Scratch scratch;
+  RunWriter writer(scratch.path, recorded_case());
+  writer.add_row(series_row());
+  writer.add_row(ContactRow{0.5, {{7, 1.5, 4.0, 0.001, 0.25}, {0, 0, 0, 0, 0}}});
+  writer.add_row(ContactRow{0.6, {{8, 1.5, 4.0, 0.001, 0.5}, {1, 2.0, 2.0, 0.002, 1.0}}});
+  writer.finish({});
+  const table::Table table = read_run(scratch.path).contacts();
+  EXPECT_EQ(table.integers("contacts_pellet_pellet"), (std::vector<std::int64_t>{7, 8}));
+  EXPECT_EQ(table.numbers("mean_normal_force_steel_pellet_n"), (std::vector<double>{0.0, 2.0}));
+  EXPECT_EQ(table.numbers("largest_normal_force_pellet_pellet_n")[0], 4.0);
+  EXPECT_EQ(table.numbers("mean_overlap_ratio_steel_pellet")[1], 0.002);
+  EXPECT_EQ(table.numbers("sliding_fraction_pellet_pellet"), (std::vector<double>{0.25, 0.5}));
+}
+
+TEST(RunOutput, KeepsTheEnergyLedger) {
+  const Scratch scratch;
+  RunWriter writer(scratch.path, recorded_case());
+  EnergyRow row;
+  row.time_s = 0.5;
+  row.kinetic_rotational_j = 2.0;
+  row.dissipated_sliding_j = 1.0 / 3.0;
+  row.error_j = 1e-17;
+  writer.add_row(series_row());
+  writer.add_row(row);
+  writer.finish({});
+  const table::Table table = read_run(scratch.path).energy();
+  EXPECT_EQ(table.columns().size(), 15u);
+  EXPECT_EQ(table.numbers("kinetic_rotational_j")[0], 2.0);
+  EXPECT_EQ(table.numbers("dissipated_sliding_j")[0], 1.0 / 3.0);
+  EXPECT_EQ(table.numbers("error_j")[0], 1e-17);
+  EXPECT_EQ(table.numbers("gravitational_j")[0], 0.0);
+}
+
+TEST(RunOutput, SaysWhatToDoForATableThatWasNotRecorded) {
+  const Scratch scratch;
+  RunWriter writer(scratch.path, recorded_case());
+  writer.add_row(series_row());
+  writer.finish({});
+  try {
+    read_run(scratch.path).energy();
+    ADD_FAILURE() << "a table that is not there was read";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("output.energy = true"), std::string::npos);
+  }
+}
+
+TEST(RunOutput, RefusesARowOfTheWrongLength) {
+  const Scratch scratch;
+  RunWriter writer(scratch.path, recorded_case());
+  EXPECT_THROW(writer.add_row({0, 0, 0, 0, std::vector<double>(8, 0.0)}), std::logic_error);
+}
+
+TEST(RunOutput, HasVtpFilesIfAsked) {
+  const Scratch scratch;
+  Case scene = sample_case();
+  std::erase_if(scene.walls, [](const Wall& wall) { return wall.name == "blade"; });
+  std::erase_if(scene.motions, [](const Motion& m) { return m.walls.front() == "blade"; });
+  RunWriter writer(scratch.path, scene);
+  writer.add_row(series_row());
+  writer.write_snapshot(sample_snapshot(0.5, "fill"));
+  writer.finish({});
+  for (const char* file :
+       {"particles.pvd", "particles_000001.vtp", "walls.pvd", "walls_000001.vtp"})
+    EXPECT_TRUE(std::filesystem::exists(scratch.path / "vtp" / file)) << file;
+}
+
 TEST(RunOutput, OfAnUnfinishedRunIsRefusedAsSuch) {
   const Scratch scratch;
-  RunWriter writer(scratch.path, sample_case());
+  RunWriter writer(scratch.path, recorded_case());
   writer.write_snapshot(sample_snapshot(0.5, "fill"));
   try {
     read_run(scratch.path);
@@ -88,12 +197,12 @@ TEST(RunOutput, OfAnUnfinishedRunIsRefusedAsSuch) {
 TEST(RunOutput, OfANewRunReplacesThatOfTheOld) {
   const Scratch scratch;
   {
-    RunWriter writer(scratch.path, sample_case());
-    writer.add_row({0, 0, 0, 0, std::vector<double>(9, 0.0)});
+    RunWriter writer(scratch.path, recorded_case());
+    writer.add_row(series_row());
     writer.write_snapshot(sample_snapshot(0.5, "fill"));
     writer.finish({});
   }
-  const RunWriter writer(scratch.path, sample_case());
+  const RunWriter writer(scratch.path, recorded_case());
   EXPECT_FALSE(std::filesystem::exists(scratch.path / "run.h5"));
 }
 
