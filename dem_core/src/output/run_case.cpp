@@ -132,7 +132,7 @@ class Runner {
       writer_.log(fmt::format("pair {} - {}: restitution {}, mu_s {}, mu_r {}, rolling damping {}",
                               p.first, p.second, shortest(p.restitution), shortest(p.mu_s),
                               shortest(p.mu_r), shortest(p.rolling_damping)));
-    add_row(sim);
+    add_rows(sim);
   }
 
   void run_stage(Simulation& sim, const scene::Stage& stage) {
@@ -145,12 +145,13 @@ class Runner {
       advance(sim, last_step, stage.name);
       const bool is_last = sim.steps() == last_step;
       if (sim.steps() % series_every_ == 0 || is_last) {
-        add_row(sim);
+        add_rows(sim);
         reason = watch.ends_with(last_row_);
       }
       if (reason.empty() && is_last) reason = "duration";
       if (!reason.empty() || (snapshot_every_ > 0 && sim.steps() % snapshot_every_ == 0))
-        writer_.write_snapshot(snapshot_of(scene_, stage.name, sim.time_s(), sim.spheres()));
+        writer_.write_snapshot(snapshot_of(scene_, stage.name, sim.time_s(), sim.spheres()),
+                               sim.wall_poses());
     }
     summary_.stages.push_back({stage.name, sim.time_s(), reason});
     planned_s_ += stage.duration_s;
@@ -182,7 +183,22 @@ class Runner {
     return planned_s_;
   }
 
-  void add_row(Simulation& sim) {
+  /// One row of every time series; the first one is before the first step and has no loads.
+  void add_rows(Simulation& sim) {
+    add_series_row(sim);
+    if (!scene_.walls.empty() && sim.steps() > 0) add_wall_row(sim);
+  }
+
+  void add_wall_row(Simulation& sim) {
+    scene::WallRow row{.time_s = sim.time_s()};
+    for (const WallLoad& load : sim.take_wall_loads()) {
+      row.force_n.push_back(load.force_n);
+      row.torque_n_m.push_back(load.torque_n_m);
+    }
+    writer_.add_row(row);
+  }
+
+  void add_series_row(Simulation& sim) {
     last_row_.time_s = sim.time_s();
     last_row_.kinetic_energy_j = sim.kinetic_energy_j();
     last_row_.max_overlap_ratio = sim.take_largest_overlap_ratio();

@@ -56,6 +56,9 @@ struct EnergyRow {
   double dissipated_tangential_j = 0.0;  ///< by damping
   double dissipated_sliding_j = 0.0;
   double dissipated_rolling_j = 0.0;
+  /// Lost, or won if negative, because tangential and rolling stiffness follow the overlap while
+  /// the displacements that load them stay: the price of a displacement history.
+  double stiffness_change_j = 0.0;
   double wall_work_j = 0.0;  ///< done by moving walls on particles
   double inserted_j = 0.0;   ///< brought in by particles that appeared
   double removed_j = 0.0;    ///< taken out with particles that were removed
