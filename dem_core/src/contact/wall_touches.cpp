@@ -9,6 +9,15 @@ namespace {
 /// precision, below what matters to a sphere.
 constexpr double kSamePoint = 1e-4;
 
+/// Whether the straight way from x to q goes through a flat facet; both in its frame.
+bool crosses(const Facet& facet, const Vec3& x, const Vec3& q, double tolerance) {
+  const double before = (x - facet.origin).dot(facet.normal);
+  const double beyond = (q - facet.origin).dot(facet.normal);
+  if (before * beyond >= 0.0 || std::abs(beyond) < tolerance) return false;
+  const Vec3 crossing = x + before / (before - beyond) * (q - x);
+  return std::abs(closest_point(facet, crossing).distance) < tolerance;
+}
+
 }  // namespace
 
 bool WallTouches::comes_before(const Touch& a, const Touch& b) {
@@ -37,7 +46,19 @@ void WallTouches::select(const Walls& walls, const Vec3& x, double radius) {
   accepted_.clear();
   if (touches_.size() > 1) std::sort(touches_.begin(), touches_.end(), comes_before);
   for (std::size_t t = 0; t < touches_.size(); ++t)
-    if (!is_dropped(walls, x, radius, t)) accepted_.push_back(touches_[t]);
+    if (!is_dropped(walls, x, radius, t) && !is_hidden(walls, x, radius, t))
+      accepted_.push_back(touches_[t]);
+}
+
+bool WallTouches::is_hidden(const Walls& walls, const Vec3& x, double radius, std::size_t t) const {
+  const Vec3 point = x + touches_[t].point.offset();
+  for (const Touch& other : touches_) {
+    const Facet& facet = walls.facet(other.facet);
+    if (other.point.distance >= touches_[t].point.distance || !is_flat(facet)) continue;
+    const Pose& pose = walls.wall_of(facet).now.pose;
+    if (crosses(facet, pose.to_drawn(x), pose.to_drawn(point), kSamePoint * radius)) return true;
+  }
+  return false;
 }
 
 bool WallTouches::is_dropped(const Walls& walls, const Vec3& x, double radius,

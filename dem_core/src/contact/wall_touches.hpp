@@ -22,7 +22,8 @@ struct WallPush {
 /// it lies on a facet that came before it, because then that facet comes closer: seams in a plane,
 /// edges that facets share, corners of a box [Santasusana2016, hierarchy of contacts]; what remains
 /// of an edge is met between the normals of its facets. A face is dropped if an accepted contact
-/// has the same point. What remains on one smooth patch under nearly the same normal is one
+/// has the same point. A point that another flat facet hides is dropped: the far side of a thin
+/// plate. What remains on one smooth patch under nearly the same normal is one
 /// contact, with the largest overlap and the normal weighted with overlaps.
 class WallTouches {
  public:
@@ -39,6 +40,7 @@ class WallTouches {
   static bool comes_before(const Touch& a, const Touch& b);
   void select(const Walls& walls, const Vec3& x, double radius);
   bool is_dropped(const Walls& walls, const Vec3& x, double radius, std::size_t t) const;
+  bool is_hidden(const Walls& walls, const Vec3& x, double radius, std::size_t t) const;
   void group_smooth(const Walls& walls);
   void merge_groups(const Walls& walls, double radius);
 

@@ -38,6 +38,11 @@ struct Facet {
   double start_radius = 0.0, end_radius = 0.0, length = 0.0;
 };
 
+/// Whether it lies in a plane, that of its origin and normal.
+inline bool is_flat(const Facet& facet) {
+  return facet.kind != FacetKind::revolved || facet.length == 0.0;
+}
+
 Facet plane_facet(const Vec3& origin, const Vec3& normal);
 Facet rectangle_facet(const Vec3& origin, const Vec3& edge_u, const Vec3& edge_v);
 Facet triangle_facet(const Vec3& a, const Vec3& b, const Vec3& c);

@@ -45,10 +45,6 @@ std::vector<Facet> facets_of(const scene::Mesh& shape) {
   return facets;
 }
 
-bool is_flat(const Facet& facet) {
-  return facet.kind != FacetKind::revolved || facet.length == 0.0;
-}
-
 double size_of(const Facet& facet) {
   return std::sqrt(facet.uu) + std::sqrt(facet.vv) + facet.end_radius;
 }
