@@ -93,6 +93,18 @@ TEST(CaseFile, RefusesKeysThatNobodyKnowsWithTheirLine) {
   EXPECT_NE(message.find("duraton_s"), std::string::npos) << message;
 }
 
+TEST(CaseFile, NamesTheLineOfAFaceThatDoesNotExist) {
+  const std::string message = message_of(std::string(kSmall) + R"([[box]]
+name = "bin"
+material = "grain"
+lower_m = [0, 0, 0]
+upper_m = [1, 1, 1]
+open = ["top"]
+)");
+  EXPECT_NE(message.find("small:27: box[1].open"), std::string::npos) << message;
+  EXPECT_NE(message.find("\"top\" is not a face"), std::string::npos) << message;
+}
+
 TEST(CaseFile, RefusesBothModuli) {
   std::string text = kSmall;
   text.insert(text.find("youngs_modulus_pa"), "shear_modulus_pa = 1e6\n");

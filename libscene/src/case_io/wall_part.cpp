@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "case_io/parts.hpp"
+#include "repose/base/error.hpp"
 
 namespace repose::scene {
 namespace {
@@ -148,8 +149,16 @@ Wall read_wall(const TomlTable& table, const Folder& folder) {
 }
 
 std::vector<Wall> read_box(const TomlTable& table) {
-  return box_walls(table.text("name"), table.text("material"), vector3(table, "lower_m"),
-                   vector3(table, "upper_m"), texts_or_none(table, "open"));
+  const std::vector<std::string> open = texts_or_none(table, "open");
+  const std::string name = table.text("name");
+  const std::string material = table.text("material");
+  const Vec3 lower = vector3(table, "lower_m");
+  const Vec3 upper = vector3(table, "upper_m");
+  try {
+    return box_walls(name, material, lower, upper, open);
+  } catch (const InputError& error) {
+    table.fail("open", error.what());
+  }
 }
 
 Motion read_motion(const TomlTable& table) {
