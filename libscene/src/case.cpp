@@ -47,6 +47,18 @@ std::vector<Wall> box_walls(const std::string& name, const std::string& material
   return walls;
 }
 
+bool is_inside(const Region& region, const Vec3& x) {
+  if ((x.array() < region.lower.array()).any() || (x.array() >= region.upper.array()).any())
+    return false;
+  if (!region.cylinder) return true;
+  const Vec3 axis = region.cylinder->end - region.cylinder->start;
+  const Vec3 from_start = x - region.cylinder->start;
+  const double along = from_start.dot(axis) / axis.squaredNorm();
+  const double off_axis2 = (from_start - along * axis).squaredNorm();
+  return along >= 0.0 && along < 1.0 &&
+         off_axis2 < region.cylinder->radius_m * region.cylinder->radius_m;
+}
+
 const ClumpShape& clump_shape(const Case& scene, const std::string& name) {
   std::vector<std::string> names;
   for (const std::vector<ClumpShape>* shapes : {&scene.clumps, &shipped_clumps()})

@@ -21,12 +21,8 @@ Spheres random_spheres(const Box& box, std::size_t n, double smallest, double la
     Vec3 x;
     for (int k = 0; k < 3; ++k) x[k] = random.uniform(box.lower[k], box.upper[k]);
     const double radius = random.uniform(smallest, largest);
-    spheres.motion.push_back({x, radius, Vec3::Zero(), 1.0});
-    spheres.spin.push_back({Vec3::Zero(), 1.0});
-    spheres.load.push_back({Vec3::Zero(), Vec3::Zero()});
-    spheres.material.push_back(0);
-    spheres.id.push_back(static_cast<std::int32_t>(i));
-    spheres.mass.push_back(1.0);
+    const auto id = static_cast<std::int32_t>(i);
+    spheres.add({.motion = {x, radius, Vec3::Zero(), 1.0}, .id = id, .body = id, .mass = 1.0});
   }
   return spheres;
 }
@@ -82,7 +78,8 @@ TEST(NeighborList, HoldsTheSamePairsAsTheSearchOfAll) {
       NeighborLists lists;
       ContactPool pool;
       WallContacts wall_contacts;
-      rebuild(box, skin, Walls(c), spheres, lists, pool, wall_contacts);
+      Clumps clumps;
+      rebuild(box, skin, Walls(c), spheres, clumps, lists, pool, wall_contacts);
       EXPECT_EQ(listed(lists.pairs, spheres), all_pairs(box, skin, spheres));
     }
   }
@@ -99,7 +96,8 @@ TEST(NeighborList, CarriesHistoryThroughANewOrder) {
   NeighborLists lists;
   ContactPool pool;
   WallContacts wall_contacts;
-  rebuild(box, 0.02, Walls(c), spheres, lists, pool, wall_contacts);
+  Clumps clumps;
+  rebuild(box, 0.02, Walls(c), spheres, clumps, lists, pool, wall_contacts);
   const auto signature = [](std::int32_t a, std::int32_t b) { return Vec3(1.0 + a, 1.0 + b, 1.0); };
   std::size_t contacts = 0;
   for (std::size_t i = 0; i < spheres.size(); ++i)
@@ -117,7 +115,7 @@ TEST(NeighborList, CarriesHistoryThroughANewOrder) {
     }
   ASSERT_GT(contacts, 100u);
   for (Motion& sphere : spheres.motion) sphere.x = 1.0 * Vec3::Ones() - sphere.x;  // mirrored
-  rebuild(box, 0.02, Walls(c), spheres, lists, pool, wall_contacts);
+  rebuild(box, 0.02, Walls(c), spheres, clumps, lists, pool, wall_contacts);
   EXPECT_EQ(pool.size(), contacts);
   std::size_t seen = 0;
   for (std::size_t i = 0; i < spheres.size(); ++i)

@@ -138,7 +138,7 @@ TEST(Watchdog, DeepOverlapNamesTheSphere) {
   scene::Case c = empty_case({.youngs_modulus = 1e4});
   c.walls = {floor_plane()};
   c.particles = {grain(0.01, {0, 0, 0.011}, {0, 0, -20})};
-  Simulation sim(c);
+  Simulation sim(c, {.time_step_s = 4e-5});
   try {
     sim.step(100000);
     FAIL();
@@ -155,11 +155,11 @@ TEST(Simulation, RefusesWhatItCannotRun) {
   c.particles = {grain(0.01, {0, 0, 0})};
   EXPECT_THROW(Simulation(c, {.time_step_s = 1.0}).step(), InputError);
   Simulation sim(c);
-  EXPECT_THROW(sim.add_sphere(grain(-1.0, {0, 0, 0})), InputError);
-  EXPECT_THROW(sim.add_sphere(grain(0.01, {50, 0, 0})), InputError);
-  EXPECT_EQ(sim.add_sphere(grain(0.01, {1, 0, 0})), 1);
+  EXPECT_THROW(sim.add_particle(grain(-1.0, {0, 0, 0})), InputError);
+  EXPECT_THROW(sim.add_particle(grain(0.01, {50, 0, 0})), InputError);
+  EXPECT_EQ(sim.add_particle(grain(0.01, {1, 0, 0})), 1);
   sim.step();
-  EXPECT_THROW(sim.add_sphere(grain(0.01, {2, 0, 0})), InputError);
+  EXPECT_THROW(sim.add_particle(grain(0.01, {2, 0, 0})), InputError);
   c.pairs.clear();
   EXPECT_THROW(Simulation(c).step(), InputError);
   c = empty_case({});

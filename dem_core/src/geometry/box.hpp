@@ -42,6 +42,17 @@ struct Box {
     return d;
   }
 
+  /// The image of x in the box; x lies at most a period outside.
+  Vec3 wrapped(Vec3 x) const {
+    for (int k = 0; k < 3; ++k) {
+      if (!periodic[k]) continue;
+      if (x[k] >= upper[k]) x[k] -= length[k];
+      if (x[k] < lower[k]) x[k] += length[k];
+      if (x[k] >= upper[k]) x[k] = lower[k];  // rounding of x + length
+    }
+    return x;
+  }
+
   /// False also for a position that is not a number.
   bool contains(const Vec3& x) const {
     return x.x() >= lower.x() && x.x() < upper.x() && x.y() >= lower.y() && x.y() < upper.y() &&

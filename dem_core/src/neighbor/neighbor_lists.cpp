@@ -14,14 +14,6 @@ std::size_t index(std::int32_t i) {
   return static_cast<std::size_t>(i);
 }
 
-template <class T>
-void reorder(const std::vector<std::int32_t>& order, std::vector<T>& values) {
-  std::vector<T> sorted;
-  sorted.reserve(values.size());
-  for (std::int32_t old : order) sorted.push_back(values[index(old)]);
-  values.swap(sorted);
-}
-
 /// The order of the spheres by (cell, id): order[new index] = old index.
 std::vector<std::int32_t> sphere_order(const CellGrid& grid, const Spheres& spheres) {
   std::vector<std::pair<std::uint64_t, std::pair<std::int32_t, std::int32_t>>> sorted;
@@ -35,35 +27,29 @@ std::vector<std::int32_t> sphere_order(const CellGrid& grid, const Spheres& sphe
   return order;
 }
 
-void apply_order(const std::vector<std::int32_t>& order, Spheres& spheres) {
-  reorder(order, spheres.motion);
-  reorder(order, spheres.spin);
-  reorder(order, spheres.load);
-  reorder(order, spheres.material);
-  reorder(order, spheres.id);
-  reorder(order, spheres.mass);
-}
-
 double largest_radius(const Spheres& spheres) {
   double largest = 0.0;
   for (const Motion& sphere : spheres.motion) largest = std::max(largest, sphere.radius);
   return largest;
 }
 
-/// Pairs closer than R_i + R_j + skin, by ascending (i, j).
+/// Pairs of different bodies closer than R_i + R_j + skin, by ascending (i, j).
 template <int kMask>
-NeighborList find_pairs(const Box& box, double skin, const CellGrid& grid,
-                        const std::vector<Motion>& motion, std::size_t expected) {
+NeighborList find_pairs(const Box& box, double skin, const CellGrid& grid, const Spheres& spheres,
+                        std::size_t expected) {
+  const std::vector<Motion>& motion = spheres.motion;
   NeighborList list;
   list.first.reserve(motion.size() + 1);
   list.entries.reserve(expected);
   std::vector<std::int32_t> neighbors;
-  const auto add_range = [&](const Motion& a, std::int32_t first, std::int32_t last) {
+  const auto add_range = [&](std::int32_t i, std::int32_t first, std::int32_t last) {
+    const Motion& a = motion[index(i)];
     for (std::int32_t j = first; j < last; ++j) {
       const Motion& b = motion[index(j)];
       const Vec3 d = box.nearest_image_in<kMask>(b.x - a.x);
       const double reach = a.radius + b.radius + skin;
-      if (d.squaredNorm() < reach * reach) list.entries.push_back({j, kNoContact});
+      if (d.squaredNorm() < reach * reach && spheres.body[index(i)] != spheres.body[index(j)])
+        list.entries.push_back({j, kNoContact});
     }
   };
   for (std::size_t c = 0; c < grid.cells().size(); ++c) {
@@ -71,10 +57,9 @@ NeighborList find_pairs(const Box& box, double skin, const CellGrid& grid,
     grid.following_neighbors(c, neighbors);
     for (std::int32_t i = cell.first; i < cell.last; ++i) {
       list.first.push_back(static_cast<std::int32_t>(list.entries.size()));
-      const Motion& sphere = motion[index(i)];
-      add_range(sphere, i + 1, cell.last);
+      add_range(i, i + 1, cell.last);
       for (std::int32_t n : neighbors)
-        add_range(sphere, grid.cells()[index(n)].first, grid.cells()[index(n)].last);
+        add_range(i, grid.cells()[index(n)].first, grid.cells()[index(n)].last);
     }
   }
   list.first.push_back(static_cast<std::int32_t>(list.entries.size()));
@@ -131,18 +116,20 @@ void renumber(NeighborList& list, const ContactPool& old, ContactPool& pool) {
 
 }  // namespace
 
-void rebuild(const Box& box, double skin, const Walls& walls, Spheres& spheres,
+void rebuild(const Box& box, double skin, const Walls& walls, Spheres& spheres, Clumps& clumps,
              NeighborLists& lists, ContactPool& pool, WallContacts& wall_contacts) {
   CellGrid grid(box, spheres.motion, 2.0 * largest_radius(spheres) + skin);
   const std::vector<std::int32_t> order = sphere_order(grid, spheres);
-  apply_order(order, spheres);
-  std::vector<std::uint64_t> sorted_keys = grid.keys();
-  reorder(order, sorted_keys);
+  spheres.select(order);
+  follow_order(spheres, clumps);
+  std::vector<std::uint64_t> sorted_keys;
+  sorted_keys.reserve(order.size());
+  for (std::int32_t old : order) sorted_keys.push_back(grid.keys()[index(old)]);
   grid.set_cells(sorted_keys);
 
   NeighborLists built;
   built.pairs = with_periodic_mask(box, [&]<int kMask>() {
-    return find_pairs<kMask>(box, skin, grid, spheres.motion, lists.pairs.entries.size() + 64);
+    return find_pairs<kMask>(box, skin, grid, spheres, lists.pairs.entries.size() + 64);
   });
   built.walls = find_walls(walls, skin, spheres.motion, lists.walls.facets.size() + 64);
   std::vector<std::int32_t> new_index(order.size());
@@ -157,6 +144,32 @@ void rebuild(const Box& box, double skin, const Walls& walls, Spheres& spheres,
 
   spheres.x_listed.resize(spheres.size());
   for (std::size_t i = 0; i < spheres.size(); ++i) spheres.x_listed[i] = spheres.motion[i].x;
+}
+
+void remove_spheres(const std::vector<std::int32_t>& new_index, NeighborLists& lists,
+                    ContactPool& pool, WallContacts& wall_contacts) {
+  NeighborLists kept;
+  for (std::size_t i = 0; i < new_index.size(); ++i) {
+    const bool stays = new_index[i] >= 0;
+    if (stays) {
+      kept.pairs.first.push_back(static_cast<std::int32_t>(kept.pairs.entries.size()));
+      kept.walls.first.push_back(static_cast<std::int32_t>(kept.walls.facets.size()));
+      const auto row = lists.walls.row(i);
+      kept.walls.facets.insert(kept.walls.facets.end(), row.begin(), row.end());
+    }
+    for (std::int32_t p = lists.pairs.first[i]; p < lists.pairs.first[i + 1]; ++p) {
+      Neighbor neighbor = lists.pairs.entries[index(p)];
+      neighbor.other = new_index[index(neighbor.other)];
+      if (stays && neighbor.other >= 0)
+        kept.pairs.entries.push_back(neighbor);
+      else if (neighbor.contact != kNoContact)
+        pool.end_contact(neighbor.contact);
+    }
+  }
+  kept.pairs.first.push_back(static_cast<std::int32_t>(kept.pairs.entries.size()));
+  kept.walls.first.push_back(static_cast<std::int32_t>(kept.walls.facets.size()));
+  lists = std::move(kept);
+  wall_contacts.follow_order(new_index);
 }
 
 }  // namespace repose::dem

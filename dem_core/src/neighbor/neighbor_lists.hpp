@@ -9,7 +9,7 @@
 #include "contact/wall_contacts.hpp"
 #include "geometry/box.hpp"
 #include "geometry/walls.hpp"
-#include "particles/spheres.hpp"
+#include "particles/clumps.hpp"
 
 namespace repose::dem {
 
@@ -44,8 +44,13 @@ struct NeighborLists {
 
 /// Sorts the spheres by (cell, id), builds both lists anew and takes the contacts with their
 /// history from the old ones. Pairs (i, j) are listed by ascending i, then j: the order of every
-/// sum.
-void rebuild(const Box& box, double skin, const Walls& walls, Spheres& spheres,
+/// sum. Spheres of one body are no pair.
+void rebuild(const Box& box, double skin, const Walls& walls, Spheres& spheres, Clumps& clumps,
              NeighborLists& lists, ContactPool& pool, WallContacts& wall_contacts);
+
+/// Takes spheres that are to leave out of the lists and ends their contacts; new_index is their
+/// future index, or -1. The spheres themselves are selected by the caller.
+void remove_spheres(const std::vector<std::int32_t>& new_index, NeighborLists& lists,
+                    ContactPool& pool, WallContacts& wall_contacts);
 
 }  // namespace repose::dem

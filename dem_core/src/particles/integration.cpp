@@ -8,14 +8,9 @@ namespace {
 /// Brings a sphere that crossed a periodic side back in; its listed position moves with it. False
 /// if it is outside all the same.
 bool wrap(const Box& box, Vec3& x, Vec3& listed) {
-  for (int k = 0; k < 3; ++k) {
-    if (!box.periodic[k]) continue;
-    const double before = x[k];
-    if (x[k] >= box.upper[k]) x[k] -= box.length[k];
-    if (x[k] < box.lower[k]) x[k] += box.length[k];
-    if (x[k] >= box.upper[k]) x[k] = box.lower[k];  // rounding of x + length
-    listed[k] += x[k] - before;
-  }
+  const Vec3 inside = box.wrapped(x);
+  listed += inside - x;
+  x = inside;
   return box.contains(x);
 }
 
@@ -23,6 +18,7 @@ bool wrap(const Box& box, Vec3& x, Vec3& listed) {
 
 void kick(const Vec3& gravity, double dt, Spheres& spheres) {
   for (std::size_t i = 0; i < spheres.size(); ++i) {
+    if (spheres.member[i] >= 0) continue;
     Motion& sphere = spheres.motion[i];
     sphere.v += (spheres.load[i].force * sphere.inv_mass + gravity) * dt;
     spheres.spin[i].w += spheres.load[i].torque * (spheres.spin[i].inv_inertia * dt);
@@ -32,6 +28,7 @@ void kick(const Vec3& gravity, double dt, Spheres& spheres) {
 DriftResult drift(const Box& box, double dt, Spheres& spheres) {
   DriftResult result;
   for (std::size_t i = 0; i < spheres.size(); ++i) {
+    if (spheres.member[i] >= 0) continue;
     Motion& sphere = spheres.motion[i];
     sphere.x += sphere.v * dt;
     if (!box.contains(sphere.x) && !wrap(box, sphere.x, spheres.x_listed[i]) && result.out < 0)

@@ -6,7 +6,7 @@
 
 namespace repose::dem {
 
-/// v += (F/m + g) dt, w += T/I dt with the loads at t.
+/// v += (F/m + g) dt, w += T/I dt with the loads at t, for bodies of one sphere.
 void kick(const Vec3& gravity, double dt, Spheres& spheres);
 
 /// What became of the spheres in a drift.
@@ -15,7 +15,8 @@ struct DriftResult {
   std::ptrdiff_t out = -1;  ///< first sphere that left the domain or has no finite position, or -1
 };
 
-/// x += v dt with images wrapped into the domain; sets all loads to zero.
+/// x += v dt with images wrapped into the domain, for bodies of one sphere; sets their loads to
+/// zero.
 DriftResult drift(const Box& box, double dt, Spheres& spheres);
 
 }  // namespace repose::dem

@@ -11,10 +11,10 @@ namespace repose::dem {
 
 /// What finding contacts and most of a contact needs; one cache line.
 struct alignas(64) Motion {
-  Vec3 x;         ///< centre at t, inside the domain
-  double radius;  ///< m
-  Vec3 v;         ///< at t - dt/2 between steps, at t + dt/2 while forces are computed
-  double inv_mass;
+  Vec3 x;           ///< centre at t, inside the domain
+  double radius;    ///< m
+  Vec3 v;           ///< at t - dt/2 between steps, at t + dt/2 while forces are computed
+  double inv_mass;  ///< of the whole body
 };
 
 struct Spin {
@@ -28,6 +28,17 @@ struct Load {
   Vec3 torque;
 };
 
+/// A sphere to be added.
+struct NewSphere {
+  Motion motion;
+  Spin spin{Vec3::Zero(), 0.0};
+  std::int32_t material = 0;
+  std::int32_t id = 0;
+  std::int32_t body = 0;
+  std::int32_t member = -1;
+  double mass = 0.0;
+};
+
 struct Spheres {
   std::vector<Motion> motion;
   std::vector<Spin> spin;
@@ -35,9 +46,26 @@ struct Spheres {
   std::vector<Vec3> x_listed;  ///< centres when the neighbor lists were built
   std::vector<std::int32_t> material;
   std::vector<std::int32_t> id;
-  std::vector<double> mass;
+  std::vector<std::int32_t> body;    ///< id of the rigid body that it belongs to
+  std::vector<std::int32_t> member;  ///< index into Clumps::members; -1 for a body of one sphere
+  std::vector<double> mass;          ///< share of its body's
 
   std::size_t size() const { return motion.size(); }
+
+  void add(const NewSphere& sphere) {
+    motion.push_back(sphere.motion);
+    spin.push_back(sphere.spin);
+    load.push_back({Vec3::Zero(), Vec3::Zero()});
+    x_listed.push_back(sphere.motion.x);
+    material.push_back(sphere.material);
+    id.push_back(sphere.id);
+    body.push_back(sphere.body);
+    member.push_back(sphere.member);
+    mass.push_back(sphere.mass);
+  }
+
+  /// Keeps the spheres order[0], order[1], ... in this order.
+  void select(const std::vector<std::int32_t>& order);
 };
 
 }  // namespace repose::dem

@@ -1,6 +1,7 @@
-// A simulation of spheres between walls, step by step.
+// A simulation of particles between walls, step by step.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -15,9 +16,10 @@ namespace repose::dem {
 /// A sphere as seen from outside: everything at one time, SI.
 struct Sphere {
   std::int32_t id = 0;        ///< from 0, in order of creation; for life
+  std::int32_t body = 0;      ///< id of the body it is, or is part of
   std::int32_t material = 0;  ///< index into Case::materials
   double radius_m = 0.0;
-  double mass_kg = 0.0;
+  double mass_kg = 0.0;  ///< in a clump its share of the body's mass, in proportion to radius^3
   Vec3 position = Vec3::Zero();
   Vec3 velocity = Vec3::Zero();
   Vec3 angular_velocity = Vec3::Zero();
@@ -29,6 +31,24 @@ struct WallLoad {
   /// About the centre of the wall's first rotation, else about the origin; mean over the steps.
   Vec3 torque_n_m = Vec3::Zero();
   double work_j = 0.0;  ///< done by the wall on particles
+};
+
+/// A rigid body: a clump, or a sphere, which is a clump of one.
+struct Body {
+  std::int32_t id = 0;        ///< from 0, in order of creation; for life
+  std::int32_t material = 0;  ///< index into Case::materials
+  std::int32_t spheres = 1;   ///< how many it consists of
+  double radius_m = 0.0;      ///< of the sphere of its volume
+  double mass_kg = 0.0;
+  Vec3 inertia_kg_m2 = Vec3::Zero();  ///< principal moments
+  Vec3 position = Vec3::Zero();       ///< of the centre of mass
+  Vec3 velocity = Vec3::Zero();
+  Vec3 angular_velocity = Vec3::Zero();
+  /// Turns principal axes into the world's. A single sphere's orientation is not followed.
+  std::array<double, 4> orientation_wxyz{1.0, 0.0, 0.0, 0.0};
+
+  double kinetic_energy_j() const;
+  Vec3 angular_momentum() const;  ///< about its centre, kg m^2/s
 };
 
 struct SimulationOptions {
@@ -44,32 +64,37 @@ struct SimulationOptions {
 class Simulation {
  public:
   /// Takes materials, walls, domain, gravity and particles from the case, and places its fill.
-  /// Stages and output are run_case()'s matter. Throws InputError for a case that cannot be
-  /// simulated and SimulationError if the fill does not fit.
+  /// Output and when a stage ends are run_case()'s matter. Throws InputError for a case that cannot
+  /// be simulated and SimulationError if the fill does not fit.
   explicit Simulation(const scene::Case& scene, const SimulationOptions& options = {});
   ~Simulation();
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;
 
-  /// Adds a sphere before the first step; returns its id. Throws InputError.
-  std::int32_t add_sphere(const scene::Particle& particle);
+  /// Adds a particle before the first step; returns the id of the body. Throws InputError.
+  std::int32_t add_particle(const scene::Particle& particle);
 
   /// Advances n time steps. Throws SimulationError, naming sphere, place and speed, if one leaves
   /// the domain, has no finite position or overlaps by more than half of its radius.
   void step(std::int64_t n = 1);
   /// Takes a wall, or all walls of a box, away. Throws InputError for an unknown name.
   void open(const std::string& wall);
-  /// Begins a stage of the case: opens its walls, and its motions start to count. Throws InputError
-  /// for an unknown name.
+  /// Begins a stage of the case: opens its walls; its motions and its rain count their time from
+  /// now. Throws InputError for an unknown name.
   void begin_stage(const std::string& name);
 
   std::int64_t steps() const;
   double time_s() const;
-  double time_step_s();  ///< fixed from the first call or the first step on
-  std::size_t size() const;
+  double time_step_s();      ///< fixed from the first call or the first step on
+  std::size_t size() const;  ///< spheres
   double mass_kg() const;
+  scene::Ledger ledger() const;
+  /// Rain that is still to come, kg; 0 if there is none.
+  double outstanding_rain_kg() const;
   /// All spheres by id, velocities at time_s().
   std::vector<Sphere> spheres();
+  /// All bodies by id, velocities at time_s().
+  std::vector<Body> bodies();
   /// Translational and rotational, at time_s().
   double kinetic_energy_j();
   /// Touching pairs and contacts with walls.

@@ -34,6 +34,9 @@ struct Region {
   bool operator==(const Region&) const = default;
 };
 
+/// Whether a point lies in the region.
+bool is_inside(const Region& region, const Vec3& x);
+
 /// A stage ends when the kinetic energy stayed below kinetic_energy_ratio * sum(m g d_mean) for
 /// window_s.
 struct AtRest {
@@ -112,6 +115,9 @@ void write_case(const std::filesystem::path& path, const Case& scene);
 /// be started or would make no sense: a missing pair of materials, unknown names, sizes that do not
 /// fit.
 void validate(const Case& scene);
+
+/// Reads the particles of a table. Throws InputError or StorageError naming file, column and row.
+std::vector<Particle> load_particles(const Case& scene, const ParticleTable& table);
 
 /// A clump shape of the case or a shipped one; throws InputError that lists the known ones.
 const ClumpShape& clump_shape(const Case& scene, const std::string& name);

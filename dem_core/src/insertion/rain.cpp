@@ -1,0 +1,70 @@
+#include "insertion/rain.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "repose/base/error.hpp"
+#include "repose/base/text.hpp"
+
+namespace repose::dem {
+namespace {
+
+constexpr std::uint64_t kFirstStream = 1ULL << 32;  // above those of the fill
+constexpr int kTries = 200;                         // for one particle at one time
+constexpr double kLongestDelay_s = 1.0;
+
+}  // namespace
+
+RainSource::RainSource(const scene::Case& scene, std::size_t number, ClumpForms& forms)
+    : rain_(scene.rains[number]), seed_(scene.seed), stream_(kFirstStream + 2 * number) {
+  RandomStream random(seed_, stream_);
+  grains_ = draw_mixture(scene, rain_.mixture, rain_.mass_kg, random);
+  random.shuffle(grains_);
+  for (const scene::Grains& kind : rain_.mixture) forms_.push_back(forms.find(kind.clump));
+  for (const Grain& grain : grains_) {
+    const scene::ClumpForm* form = forms_[static_cast<std::size_t>(grain.kind)];
+    const double radius = 0.5 * grain.diameter;
+    const double smallest = radius * (form == nullptr ? 1.0 : form->smallest_radius);
+    if (smallest_radius_ == 0.0 || smallest < smallest_radius_) smallest_radius_ = smallest;
+    largest_radius_ = std::max(largest_radius_, radius * ClumpForms::largest_sphere(form));
+  }
+}
+
+bool RainSource::is_due(double time_s) const {
+  return !is_finished() && placed_kg_ + 0.5 * grains_[next_].mass <= rain_.mass_rate_kg_s * time_s;
+}
+
+std::vector<scene::Particle> RainSource::fall(double time_s, const Box& box,
+                                              const ClearOfWalls& clear_of_walls,
+                                              OccupiedSpace& occupied) {
+  std::vector<scene::Particle> fallen;
+  const PlacingBox where{rain_.lower, rain_.upper};
+  RandomStream random(derive_seed(seed_, ++attempts_), stream_ + 1);
+  while (is_due(time_s)) {
+    const Grain& grain = grains_[next_];
+    const auto kind = static_cast<std::size_t>(grain.kind);
+    scene::Particle particle;
+    particle.material = rain_.mixture[kind].material;
+    particle.clump = rain_.mixture[kind].clump;
+    particle.radius_m = 0.5 * grain.diameter;
+    particle.velocity = rain_.velocity;
+    if (!find_place(where, box, occupied, clear_of_walls, forms_[kind], kTries, random, particle))
+      break;
+    occupy(particle, forms_[kind], box, occupied);
+    placed_kg_ += grain.mass;
+    ++next_;
+    fallen.push_back(particle);
+  }
+  const double due = std::min(rain_.mass_kg, rain_.mass_rate_kg_s * time_s);
+  if (!is_finished() && due - placed_kg_ > kLongestDelay_s * rain_.mass_rate_kg_s)
+    throw SimulationError("rain \"" + rain_.name + "\": " + std::to_string(next_) + " of " +
+                          std::to_string(grains_.size()) + " particles, " + shortest(placed_kg_) +
+                          " kg, have come, but " + shortest(due) +
+                          " kg are due: there is no room in its box; make the box larger, give "
+                          "the particles a velocity that clears it, or lower mass_rate_kg_s = " +
+                          shortest(rain_.mass_rate_kg_s));
+  return fallen;
+}
+
+}  // namespace repose::dem

@@ -1,0 +1,46 @@
+// Particles that come in at a rate.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "insertion/draw_grains.hpp"
+#include "insertion/placement.hpp"
+
+namespace repose::dem {
+
+/// One rain of a case: which particles, in which order, and how many have come.
+class RainSource {
+ public:
+  /// Draws all particles in a random order; numbers come from streams of their own for each rain.
+  RainSource(const scene::Case& scene, std::size_t number, ClumpForms& forms);
+
+  const scene::Rain& rain() const { return rain_; }
+  /// Smallest and largest sphere that will come, m.
+  double smallest_radius() const { return smallest_radius_; }
+  double largest_radius() const { return largest_radius_; }
+  bool is_finished() const { return next_ == grains_.size(); }
+  double placed_kg() const { return placed_kg_; }
+  /// Whether a particle is due `time_s` after the rain began.
+  bool is_due(double time_s) const;
+
+  /// Places what is due, each into `occupied`, as long as there is room. Throws SimulationError if
+  /// it falls behind by more than a second's mass.
+  std::vector<scene::Particle> fall(double time_s, const Box& box,
+                                    const ClearOfWalls& clear_of_walls, OccupiedSpace& occupied);
+
+ private:
+  scene::Rain rain_;
+  std::vector<const scene::ClumpForm*> forms_;  // of each kind
+  std::vector<Grain> grains_;
+  std::size_t next_ = 0;
+  std::uint64_t attempts_ = 0;
+  std::uint64_t seed_;
+  std::uint64_t stream_;
+  double placed_kg_ = 0.0;
+  double smallest_radius_ = 0.0;
+  double largest_radius_ = 0.0;
+};
+
+}  // namespace repose::dem

@@ -1,0 +1,48 @@
+// Orientation of rigid bodies: unit quaternions and one step of free rotation.
+#pragma once
+
+#include <array>
+#include <cmath>
+
+#include "repose/dem/contact_law.hpp"
+
+namespace repose::dem {
+
+/// Turns body axes into the world's; of length one.
+struct Quaternion {
+  double w = 1.0, x = 0.0, y = 0.0, z = 0.0;
+};
+
+inline Quaternion operator*(const Quaternion& a, const Quaternion& b) {
+  return {
+      a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+      a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
+}
+
+inline Quaternion normalised(const Quaternion& q) {
+  const double scale = 1.0 / std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+  return {q.w * scale, q.x * scale, q.y * scale, q.z * scale};
+}
+
+inline Quaternion quaternion_of(const std::array<double, 4>& wxyz) {
+  return normalised({wxyz[0], wxyz[1], wxyz[2], wxyz[3]});
+}
+
+inline Eigen::Matrix3d rotation_matrix(const Quaternion& q) {
+  Eigen::Matrix3d r;
+  r << 1.0 - 2.0 * (q.y * q.y + q.z * q.z), 2.0 * (q.x * q.y - q.w * q.z),
+      2.0 * (q.x * q.z + q.w * q.y), 2.0 * (q.x * q.y + q.w * q.z),
+      1.0 - 2.0 * (q.x * q.x + q.z * q.z), 2.0 * (q.y * q.z - q.w * q.x),
+      2.0 * (q.x * q.z - q.w * q.y), 2.0 * (q.y * q.z + q.w * q.x),
+      1.0 - 2.0 * (q.x * q.x + q.y * q.y);
+  return r;
+}
+
+/// Turns a body that no torque acts on for a time dt: its angular momentum (world, kg m^2/s) stays,
+/// its orientation follows. Symmetric splitting of the rotational energy into its three axes
+/// [Dullweber1997], each part a rotation about a body axis; second order in dt, reversible. The
+/// rotations use 4 atan(angle/4) for the angle, which keeps all of that and needs no sine.
+Quaternion free_rotation(const Quaternion& q, const Vec3& angular_momentum, const Vec3& inertia,
+                         double dt);
+
+}  // namespace repose::dem
