@@ -60,7 +60,10 @@ template <class Energies>
   Energies energies;
   const ContactForce force =
       hertz_mindlin(model, law, contact.bodies, now, dt, contact.history, energies);
-  if constexpr (std::is_same_v<Energies, ContactEnergies>) sum += energies;
+  if constexpr (std::is_same_v<Energies, ContactEnergies>) {
+    contact.stored_j = energies.stored_j();
+    sum += energies;
+  }
   return force;
 }
 

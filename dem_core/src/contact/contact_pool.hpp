@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "repose/dem/contact_law.hpp"
@@ -14,6 +15,7 @@ inline constexpr std::int32_t kNoContact = -1;
 struct Contact {
   ContactHistory history;
   ContactBodies bodies;
+  double stored_j = 0.0;  ///< when energies were last asked for
 };
 
 /// Slots with a free list; a new contact gets the slot freed last.
@@ -28,10 +30,15 @@ class ContactPool {
       slot = free_.back();
       free_.pop_back();
     }
-    at(slot) = Contact{{}, bodies};
+    at(slot) = Contact{{}, bodies, 0.0};
     return slot;
   }
-  void end_contact(std::int32_t slot) { free_.push_back(slot); }
+  void end_contact(std::int32_t slot) {
+    released_j_ += at(slot).stored_j;
+    free_.push_back(slot);
+  }
+  /// What ended contacts still stored since the last call; it is lost.
+  double take_released_j() { return std::exchange(released_j_, 0.0); }
   Contact& at(std::int32_t slot) { return contacts_[static_cast<std::size_t>(slot)]; }
   const Contact& at(std::int32_t slot) const { return contacts_[static_cast<std::size_t>(slot)]; }
   std::size_t size() const { return contacts_.size() - free_.size(); }
@@ -40,6 +47,7 @@ class ContactPool {
   ContactPool emptied() const {
     ContactPool pool;
     pool.contacts_.reserve(contacts_.size());
+    pool.released_j_ = released_j_;
     return pool;
   }
   /// Appends a contact; for pools without freed slots.
@@ -51,6 +59,7 @@ class ContactPool {
  private:
   std::vector<Contact> contacts_;
   std::vector<std::int32_t> free_;
+  double released_j_ = 0.0;
 };
 
 }  // namespace repose::dem

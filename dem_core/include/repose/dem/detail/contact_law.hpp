@@ -46,9 +46,10 @@ class Turning {
   Vec3 half_, end_, axis_;
 };
 
-/// Relative loss of a = sqrt(R* d) if the step were undone; at most 1.
-inline double stiffening(double overlap, double approach_times_dt) {
-  return 1.0 - std::sqrt(std::max(0.0, 1.0 - approach_times_dt / overlap));
+/// What a spring k x^2 / 2 gives away in a step beyond its work, when x went from `before` to `now`
+/// and k from `ratio` k to k: k (x - x_0)^2 / 2 by the step's length, x_0^2 (k_0 - k) / 2 by k.
+inline double spring_loss(double k, double ratio, const Vec3& before, const Vec3& now) {
+  return 0.5 * k * ((now - before).squaredNorm() + before.squaredNorm() * (ratio - 1.0));
 }
 
 /// The circle's area integrated over the overlap from 0, by Gauss-Legendre with three points.
@@ -131,7 +132,11 @@ template <class Energies>
     const ContactKinematics& now, double dt, ContactHistory& history, Energies&& energies) {
   using Asked = std::remove_reference_t<Energies>;
   constexpr bool kAsked = std::is_same_v<Asked, ContactEnergies>;
-  if constexpr (kAsked) energies = {};
+  [[maybe_unused]] ContactHistory before;
+  if constexpr (kAsked) {
+    energies = {};
+    before = history;
+  }
   const Vec3& n = now.normal;
   const double a = std::sqrt(bodies.r_eff * now.overlap);
   const double damping_scale = std::sqrt(a * bodies.m_eff);
@@ -187,9 +192,20 @@ template <class Energies>
           law.cohesion * detail::cohesion_volume(bodies.r_eff, now.overlap, now.inv_distance);
     energies.tangential_j = 0.5 * stiffness * xi.squaredNorm();
     energies.normal_damping_w = (result.normal - elastic) * approach;
-    if (dt > 0.0)
-      energies.stiffness_change_w = (energies.rolling_j - energies.tangential_j) *
-                                    detail::stiffening(now.overlap, approach * dt) / dt;
+    if (dt > 0.0) {
+      turning.add(Vec3::Zero(), before.slip);
+      const double ratio = std::sqrt(std::max(0.0, 1.0 - approach * dt / now.overlap));  // a_0/a
+      energies.stiffness_change_w = detail::spring_loss(stiffness, ratio, before.slip, xi) / dt;
+      if (energies.rolling_j > 0.0) {
+        if (model.compatibility == scene::Compatibility::none)
+          turning.add(Vec3::Zero(), before.rolling);
+        const double size2 = history.rolling.squaredNorm();
+        energies.stiffness_change_w +=
+            detail::spring_loss(2.0 * energies.rolling_j / size2, ratio > 0.0 ? 1.0 / ratio : 1.0,
+                                before.rolling, history.rolling) /
+            dt;
+      }
+    }
   }
   return result;
 }
