@@ -7,6 +7,7 @@
 #include <cmath>
 #include <ctime>
 
+#include "output/records.hpp"
 #include "output/stage_end.hpp"
 #include "repose/base/error.hpp"
 #include "repose/base/text.hpp"
@@ -20,42 +21,6 @@ constexpr double kWorkBetweenProgress = 1e6;
 
 std::int64_t steps_of(double duration_s, double dt) {
   return std::max<std::int64_t>(1, std::llround(duration_s / dt));
-}
-
-std::vector<double> region_masses(const scene::Case& scene, const std::vector<Sphere>& spheres) {
-  const std::size_t width = 1 + scene.materials.size();
-  std::vector<double> masses(scene.regions.size() * width, 0.0);
-  for (std::size_t r = 0; r < scene.regions.size(); ++r) {
-    const scene::Region& region = scene.regions[r];
-    for (const Sphere& s : spheres) {
-      if ((s.position.array() < region.lower.array()).any() ||
-          (s.position.array() >= region.upper.array()).any())
-        continue;
-      masses[r * width] += s.mass_kg;
-      masses[r * width + 1 + static_cast<std::size_t>(s.material)] += s.mass_kg;
-    }
-  }
-  return masses;
-}
-
-scene::Snapshot snapshot_of(const scene::Case& scene, const std::string& stage, double time_s,
-                            const std::vector<Sphere>& spheres) {
-  scene::Snapshot snapshot;
-  snapshot.time_s = time_s;
-  snapshot.stage = stage;
-  for (const scene::Material& material : scene.materials)
-    snapshot.materials.push_back(material.name);
-  for (const Sphere& s : spheres) {
-    snapshot.id.push_back(s.id);
-    snapshot.body.push_back(s.id);
-    snapshot.material.push_back(s.material);
-    snapshot.radius_m.push_back(s.radius_m);
-    snapshot.mass_kg.push_back(s.mass_kg);
-    snapshot.position.push_back(s.position);
-    snapshot.velocity.push_back(s.velocity);
-    snapshot.angular_velocity.push_back(s.angular_velocity);
-  }
-  return snapshot;
 }
 
 /// A run under way.
@@ -82,16 +47,15 @@ class Runner {
     Simulation sim(scene_);
     prepare(sim);
     for (const scene::Stage& stage : scene_.stages) run_stage(sim, stage);
+    require_all_rain(sim);
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
-    summary_.steps = sim.steps();
-    summary_.wall_time_s = elapsed.count();
+    summarize(sim, elapsed.count());
     const double cpu_s = static_cast<double>(std::clock() - cpu_begin) / CLOCKS_PER_SEC;
-    const double work = static_cast<double>(sim.steps()) * static_cast<double>(sim.size());
     writer_.log(fmt::format(
         "finished: {} steps, {} builds of neighbor lists, {:.3g} s; processor time {:.3g} s, "
-        "{:.3g} "
-        "sphere-steps/s of it",
-        sim.steps(), sim.rebuilds(), elapsed.count(), cpu_s, work / std::max(cpu_s, 1e-9)));
+        "{:.3g} sphere-steps/s of it; {} bodies inserted, {} removed, {} alive",
+        sim.steps(), sim.rebuilds(), elapsed.count(), cpu_s, sphere_steps_ / std::max(cpu_s, 1e-9),
+        summary_.bodies.inserted, summary_.bodies.removed, summary_.bodies.alive));
     writer_.finish(summary_);
   }
 
@@ -101,65 +65,59 @@ class Runner {
     if (scene_.output.snapshot_interval_s > 0.0)
       snapshot_every_ = steps_of(scene_.output.snapshot_interval_s, dt_);
     for (const scene::Stage& stage : scene_.stages) total_s_ += stage.duration_s;
+    for (const std::string& line : head_of_log(scene_, sim)) writer_.log(line);
+    add_rows(sim);
+  }
+
+  void require_all_rain(const Simulation& sim) const {
+    const double missing_kg = sim.outstanding_rain_kg();
+    if (missing_kg > 0.0)
+      throw SimulationError(fmt::format(
+          "{:.6g} kg of rain had not fallen when the last stage ended at {:.6g} s; {:.6g} kg are "
+          "in; let stages last longer (minimum_s, duration_s) or rain faster",
+          missing_kg, sim.time_s(), sim.ledger().inserted_kg));
+  }
+
+  void summarize(const Simulation& sim, double wall_time_s) {
+    summary_.steps = sim.steps();
     summary_.time_step_s = dt_;
     summary_.spheres = static_cast<std::int64_t>(sim.size());
-    summary_.bodies = {.inserted = summary_.spheres,
-                       .removed = 0,
-                       .alive = summary_.spheres,
-                       .inserted_kg = sim.mass_kg(),
-                       .removed_kg = 0.0,
-                       .alive_kg = sim.mass_kg()};
+    summary_.bodies = sim.ledger();
+    summary_.wall_time_s = wall_time_s;
     summary_.engine = "repose-dem";
     summary_.version = version();
     summary_.seed = scene_.seed;
-    double diameters = 0.0;
-    double smallest = 1e300;
-    double largest = 0.0;
-    for (const Sphere& s : sim.spheres()) {
-      diameters += 2.0 * s.radius_m;
-      smallest = std::min(smallest, 2.0 * s.radius_m);
-      largest = std::max(largest, 2.0 * s.radius_m);
-    }
-    weight_scale_j_ =
-        sim.mass_kg() * scene_.gravity_m_s2.norm() * diameters / static_cast<double>(sim.size());
-    writer_.log(fmt::format(
-        "repose-dem {}: {} spheres of {} to {} m, {:.9g} kg; time step {} s = {} of the smallest "
-        "Rayleigh time; law hm1 (Hertz-Mindlin, rolling type C), attraction before separation "
-        "kept; seed {}",
-        version(), sim.size(), shortest(smallest), shortest(largest), sim.mass_kg(), shortest(dt_),
-        shortest(scene_.time_step_rayleigh_fraction), scene_.seed));
-    for (const scene::PairCoefficients& p : scene_.pairs)
-      writer_.log(fmt::format("pair {} - {}: restitution {}, mu_s {}, mu_r {}, rolling damping {}",
-                              p.first, p.second, shortest(p.restitution), shortest(p.mu_s),
-                              shortest(p.mu_r), shortest(p.rolling_damping)));
-    add_rows(sim);
   }
 
   void run_stage(Simulation& sim, const scene::Stage& stage) {
     sim.begin_stage(stage.name);
     const std::int64_t last_step = sim.steps() + steps_of(stage.duration_s, dt_);
-    StageWatch watch(scene_, stage, sim.time_s(), weight_scale_j_);
-    watch.ends_with(last_row_);
+    StageWatch watch(scene_, stage, sim.time_s());
+    watch.ends_with(last_row_, rest_scale_j(sim, stage));
     std::string reason;
     while (reason.empty()) {
       advance(sim, last_step, stage.name);
       const bool is_last = sim.steps() == last_step;
       if (sim.steps() % series_every_ == 0 || is_last) {
         add_rows(sim);
-        reason = watch.ends_with(last_row_);
+        reason = watch.ends_with(last_row_, rest_scale_j(sim, stage));
       }
       if (reason.empty() && is_last) reason = "duration";
       if (!reason.empty() || (snapshot_every_ > 0 && sim.steps() % snapshot_every_ == 0))
-        writer_.write_snapshot(snapshot_of(scene_, stage.name, sim.time_s(), sim.spheres()),
-                               sim.wall_poses());
+        writer_.write_snapshot(snapshot_of(scene_, stage.name, sim), sim.wall_poses());
     }
     summary_.stages.push_back({stage.name, sim.time_s(), reason});
     planned_s_ += stage.duration_s;
-    writer_.log(
-        fmt::format("stage \"{}\" ended at {:.6g} s: {}; kinetic energy {:.4g} J, {} "
-                    "contacts, largest overlap so far {:.3g} of the radius",
-                    stage.name, sim.time_s(), reason, last_row_.kinetic_energy_j,
-                    last_row_.contacts, summary_.largest_overlap_ratio));
+    writer_.log(fmt::format(
+        "stage \"{}\" ended at {:.6g} s: {}; {} bodies, kinetic energy {:.4g} J, {} "
+        "contacts, largest overlap so far {:.3g} of the radius",
+        stage.name, sim.time_s(), reason, sim.ledger().alive, last_row_.kinetic_energy_j,
+        last_row_.contacts, summary_.largest_overlap_ratio));
+  }
+
+  /// Nothing is at rest as long as rain is to fall.
+  double rest_scale_j(const Simulation& sim, const scene::Stage& stage) const {
+    return awaits_rain(scene_, stage.name, sim) ? 0.0 : weight_scale_j_;
   }
 
   /// To the next step at which something is written, in portions between looks at the progress.
@@ -167,10 +125,13 @@ class Runner {
     std::int64_t target = std::min(last_step, (sim.steps() / series_every_ + 1) * series_every_);
     if (snapshot_every_ > 0)
       target = std::min(target, (sim.steps() / snapshot_every_ + 1) * snapshot_every_);
-    const auto portion = std::max<std::int64_t>(
-        1, static_cast<std::int64_t>(kWorkBetweenProgress / static_cast<double>(sim.size())));
     while (sim.steps() < target) {
-      sim.step(std::min(portion, target - sim.steps()));
+      const double spheres = static_cast<double>(std::max<std::size_t>(sim.size(), 1));
+      const auto portion =
+          std::max<std::int64_t>(1, static_cast<std::int64_t>(kWorkBetweenProgress / spheres));
+      const std::int64_t steps = std::min(portion, target - sim.steps());
+      sim.step(steps);
+      sphere_steps_ += static_cast<double>(steps) * static_cast<double>(sim.size());
       const double stage_s = static_cast<double>(last_step - sim.steps()) * dt_;
       if (progress_) progress_(std::max(0.0, done_s(stage, stage_s)), total_s_, stage);
     }
@@ -183,30 +144,19 @@ class Runner {
     return planned_s_;
   }
 
-  /// One row of every time series; the first one is before the first step and has no loads.
+  /// One row of every time series; loads on walls are of steps, so they begin after the first.
   void add_rows(Simulation& sim) {
-    add_series_row(sim);
-    if (!scene_.walls.empty() && sim.steps() > 0) add_wall_row(sim);
-  }
-
-  void add_wall_row(Simulation& sim) {
-    scene::WallRow row{.time_s = sim.time_s()};
-    for (const WallLoad& load : sim.take_wall_loads()) {
-      row.force_n.push_back(load.force_n);
-      row.torque_n_m.push_back(load.torque_n_m);
-    }
-    writer_.add_row(row);
-  }
-
-  void add_series_row(Simulation& sim) {
+    const std::vector<Body> bodies = sim.bodies();
+    weight_scale_j_ = weight_scale_j(scene_, bodies);
     last_row_.time_s = sim.time_s();
     last_row_.kinetic_energy_j = sim.kinetic_energy_j();
     last_row_.max_overlap_ratio = sim.take_largest_overlap_ratio();
     last_row_.contacts = static_cast<std::int64_t>(sim.contacts());
-    last_row_.region_mass_kg = region_masses(scene_, sim.spheres());
+    last_row_.region_mass_kg = region_masses(scene_, bodies);
     summary_.largest_overlap_ratio =
         std::max(summary_.largest_overlap_ratio, last_row_.max_overlap_ratio);
     writer_.add_row(last_row_);
+    if (!scene_.walls.empty() && sim.steps() > 0) writer_.add_row(wall_row_of(sim));
   }
 
   const scene::Case& scene_;
@@ -214,8 +164,9 @@ class Runner {
   scene::RunWriter writer_;
   scene::RunSummary summary_;
   scene::SeriesRow last_row_;
+  double weight_scale_j_ = 0.0;  // of the last row
+  double sphere_steps_ = 0.0;
   double dt_ = 0.0;
-  double weight_scale_j_ = 0.0;
   double total_s_ = 0.0;
   double planned_s_ = 0.0;
   std::int64_t series_every_ = 1;

@@ -2,24 +2,24 @@
 
 namespace repose::dem {
 
-StageWatch::StageWatch(const scene::Case& scene, const scene::Stage& stage, double start_s,
-                       double weight_scale_j)
-    : stage_(stage), start_s_(start_s), weight_scale_j_(weight_scale_j), moving_until_s_(start_s) {
+StageWatch::StageWatch(const scene::Case& scene, const scene::Stage& stage, double start_s)
+    : stage_(stage), start_s_(start_s), moving_until_s_(start_s) {
   if (!stage.flow_ends) return;
   for (std::size_t r = 0; r < scene.regions.size(); ++r)
     if (scene.regions[r].name == stage.flow_ends->region)
       region_column_ = r * (1 + scene.materials.size());
 }
 
-std::string StageWatch::ends_with(const scene::SeriesRow& row) {
-  const bool at_rest = stage_.at_rest && came_to_rest(row);
+std::string StageWatch::ends_with(const scene::SeriesRow& row, double weight_scale_j) {
+  const bool at_rest = stage_.at_rest && came_to_rest(row, weight_scale_j);
   const bool ended = stage_.flow_ends && flow_ended(row);
   if (row.time_s - start_s_ < stage_.minimum_s) return "";
   return at_rest ? "at rest" : ended ? "flow ended" : "";
 }
 
-bool StageWatch::came_to_rest(const scene::SeriesRow& row) {
-  if (row.kinetic_energy_j > stage_.at_rest->kinetic_energy_ratio * weight_scale_j_)
+bool StageWatch::came_to_rest(const scene::SeriesRow& row, double weight_scale_j) {
+  if (weight_scale_j == 0.0 ||
+      row.kinetic_energy_j > stage_.at_rest->kinetic_energy_ratio * weight_scale_j)
     moving_until_s_ = row.time_s;
   return row.time_s - moving_until_s_ >= stage_.at_rest->window_s;
 }

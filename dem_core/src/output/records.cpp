@@ -1,0 +1,114 @@
+#include "output/records.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "repose/base/text.hpp"
+
+namespace repose::dem {
+namespace {
+
+std::string sizes_text(Simulation& sim) {
+  const std::vector<Sphere> spheres = sim.spheres();
+  if (spheres.empty()) return "no particles yet";
+  const auto [smallest, largest] =
+      std::minmax_element(spheres.begin(), spheres.end(),
+                          [](const Sphere& a, const Sphere& b) { return a.radius_m < b.radius_m; });
+  return fmt::format("{} bodies of {} spheres of {} to {} m, {:.9g} kg", sim.ledger().alive,
+                     spheres.size(), shortest(2.0 * smallest->radius_m),
+                     shortest(2.0 * largest->radius_m), sim.mass_kg());
+}
+
+std::string law_text(const scene::ContactModel& model) {
+  using namespace scene;
+  const char* rolling = model.rolling == RollingModel::a ? "type A"
+                        : model.rolling_stiffness == RollingStiffness::ai
+                            ? "type C, k_r of Ai"
+                            : "type C, k_r = k_t R*^2";
+  return fmt::format(
+      "law hm1: Hertz-Mindlin, rolling {}, attraction before separation {}{}", rolling,
+      model.tail == Tail::keep ? "kept" : "clipped",
+      model.compatibility == Compatibility::liggghts ? ", history in the order of LIGGGHTS" : "");
+}
+
+}  // namespace
+
+std::vector<double> region_masses(const scene::Case& scene, const std::vector<Body>& bodies) {
+  const std::size_t width = 1 + scene.materials.size();
+  std::vector<double> masses(scene.regions.size() * width, 0.0);
+  for (std::size_t r = 0; r < scene.regions.size(); ++r)
+    for (const Body& body : bodies) {
+      if (!scene::is_inside(scene.regions[r], body.position)) continue;
+      masses[r * width] += body.mass_kg;
+      masses[r * width + 1 + static_cast<std::size_t>(body.material)] += body.mass_kg;
+    }
+  return masses;
+}
+
+scene::Snapshot snapshot_of(const scene::Case& scene, const std::string& stage, Simulation& sim) {
+  scene::Snapshot snapshot;
+  snapshot.time_s = sim.time_s();
+  snapshot.stage = stage;
+  for (const scene::Material& material : scene.materials)
+    snapshot.materials.push_back(material.name);
+  for (const Sphere& s : sim.spheres()) {
+    snapshot.id.push_back(s.id);
+    snapshot.body.push_back(s.body);
+    snapshot.material.push_back(s.material);
+    snapshot.radius_m.push_back(s.radius_m);
+    snapshot.mass_kg.push_back(s.mass_kg);
+    snapshot.position.push_back(s.position);
+    snapshot.velocity.push_back(s.velocity);
+    snapshot.angular_velocity.push_back(s.angular_velocity);
+  }
+  return snapshot;
+}
+
+scene::WallRow wall_row_of(Simulation& sim) {
+  scene::WallRow row{.time_s = sim.time_s()};
+  for (const WallLoad& load : sim.take_wall_loads()) {
+    row.force_n.push_back(load.force_n);
+    row.torque_n_m.push_back(load.torque_n_m);
+  }
+  return row;
+}
+
+double weight_scale_j(const scene::Case& scene, const std::vector<Body>& bodies) {
+  if (bodies.empty()) return 0.0;
+  double mass = 0.0;
+  double diameters = 0.0;
+  for (const Body& body : bodies) {
+    mass += body.mass_kg;
+    diameters += 2.0 * body.radius_m;
+  }
+  return mass * scene.gravity_m_s2.norm() * diameters / static_cast<double>(bodies.size());
+}
+
+bool awaits_rain(const scene::Case& scene, const std::string& stage, const Simulation& sim) {
+  const double outstanding_kg = sim.outstanding_rain_kg();
+  if (outstanding_kg <= 0.0) return false;
+  double later_kg = 0.0;
+  bool is_later = false;
+  for (const scene::Stage& other : scene.stages) {
+    for (const scene::Rain& rain : scene.rains)
+      if (is_later && rain.stage == other.name) later_kg += rain.mass_kg;
+    is_later = is_later || other.name == stage;
+  }
+  return outstanding_kg > later_kg * (1.0 + 1e-12);
+}
+
+std::vector<std::string> head_of_log(const scene::Case& scene, Simulation& sim) {
+  std::vector<std::string> lines{fmt::format(
+      "repose-dem {}: {}; time step {} s = {} of the smallest Rayleigh time; {}; seed {}",
+      version(), sizes_text(sim), shortest(sim.time_step_s()),
+      shortest(scene.time_step_rayleigh_fraction), law_text(scene.contact), scene.seed)};
+  for (const scene::PairCoefficients& p : scene.pairs)
+    lines.push_back(fmt::format(
+        "pair {} - {}: restitution {}, mu_s {}, mu_r {}, rolling damping {}, cohesion {} J/m^3",
+        p.first, p.second, shortest(p.restitution), shortest(p.mu_s), shortest(p.mu_r),
+        shortest(p.rolling_damping), shortest(p.cohesion_energy_density_j_m3)));
+  return lines;
+}
+
+}  // namespace repose::dem
