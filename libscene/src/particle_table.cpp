@@ -1,5 +1,6 @@
 // Particles from a table on disk.
 #include <cmath>
+#include <map>
 
 #include "repose/base/error.hpp"
 #include "repose/base/file.hpp"
@@ -51,6 +52,22 @@ std::vector<std::string> materials(const table::Table& in, const std::string& fa
   return out;
 }
 
+/// A snapshot holds the spheres of clumps one by one; they would fall apart.
+void refuse_spheres_of_clumps(const table::Table& in, const std::string& name) {
+  if (!in.has("body")) return;
+  std::map<std::int64_t, std::size_t> row_of;
+  const std::vector<std::int64_t> bodies = in.integers("body");
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const auto [first, is_new] = row_of.emplace(bodies[i], i);
+    if (!is_new)
+      throw InputError(name + "rows " + std::to_string(first->second + 1) + " and " +
+                       std::to_string(i + 1) +
+                       " are spheres of one clump, body = " + std::to_string(bodies[i]) +
+                       "; a table of particles has a row a clump: its centre, radius_m, clump and "
+                       "qw, qx, qy, qz");
+  }
+}
+
 }  // namespace
 
 std::vector<Particle> load_particles(const Case& scene, const ParticleTable& given) {
@@ -60,6 +77,7 @@ std::vector<Particle> load_particles(const Case& scene, const ParticleTable& giv
                      ": the file has changed since the case was read; read the case again");
   const table::Table in = table::read_table(location);
   const std::string name = "particle table " + given.location + ": ";
+  refuse_spheres_of_clumps(in, name);
   const std::vector<Vec3> position = vectors(in, "", "_m");
   const std::vector<Vec3> velocity = vectors(in, "v", "_m_s");
   const std::vector<Vec3> angular_velocity = vectors(in, "w", "_rad_s");
