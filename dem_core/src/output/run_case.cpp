@@ -157,6 +157,8 @@ class Runner {
         std::max(summary_.largest_overlap_ratio, last_row_.max_overlap_ratio);
     writer_.add_row(last_row_);
     if (!scene_.walls.empty() && sim.steps() > 0) writer_.add_row(wall_row_of(sim));
+    writer_.add_row(scene::ContactRow{sim.time_s(), sim.contact_statistics()});
+    if (scene_.output.energy) writer_.add_row(sim.energy());
   }
 
   const scene::Case& scene_;

@@ -97,6 +97,10 @@ class Simulation {
   std::vector<Body> bodies();
   /// Translational and rotational, at time_s().
   double kinetic_energy_j();
+  /// The ledger of energy at time_s(). Throws InputError unless Output::energy of the case is set.
+  scene::EnergyRow energy();
+  /// The contacts of each pair of materials, in the order of Case::pairs.
+  std::vector<scene::PairContacts> contact_statistics();
   /// Touching pairs and contacts with walls.
   std::size_t contacts();
   /// Largest overlap of any contact over the smaller radius since the last call of this function.
