@@ -222,6 +222,37 @@ TEST(WallTouches, OfACurvedSurfaceConvergeWithTheSquareOfTheFacets) {
   }
 }
 
+/// The largest change of the Hertz force, over its size, between positions 1e-5 radii apart on a
+/// circle in a cylinder or around it, 1e-2 radii deep.
+double largest_jump(int around, bool is_inside) {
+  const double r = 0.01;
+  Contacts mesh({mesh_wall("mesh", frustum_triangles(0, 0.1, 0.1, 0.1, around, 3))});
+  const double rho = is_inside ? 0.1 - 0.99 * r : 0.1 + 0.99 * r;
+  double largest = 0.0;
+  Vec3 before = Vec3::Zero();
+  for (int k = 0; k < 40000; ++k) {
+    const double angle = 0.3 + k * 1e-5 * r / rho;
+    const auto pushes =
+        mesh({rho * std::cos(angle), rho * std::sin(angle), 0.04 + 1e-5 * r * k}, r);
+    EXPECT_EQ(pushes.size(), 1u);
+    if (pushes.size() != 1) return 1.0;
+    const Vec3 force = std::pow(pushes[0].overlap / (1e-2 * r), 1.5) * pushes[0].normal;
+    if (k > 0) largest = std::max(largest, (force - before).norm());
+    before = force;
+  }
+  return largest;
+}
+
+TEST(WallTouches, OfASmoothSurfacePassTheForceOnWithoutAJump) {
+  // A step is 1e-5 radii, over which the overlap changes by 1e-5 tan(2 degrees) radii at most, a
+  // part of 7e-5 of itself, and the normal by a few 1e-5 radii over a strip's width.
+  for (const bool is_inside : {true, false}) {
+    EXPECT_LT(largest_jump(90, is_inside), 1e-3);
+    EXPECT_LT(largest_jump(180, is_inside), 1e-3);
+    EXPECT_LT(largest_jump(720, is_inside), 1e-3);
+  }
+}
+
 TEST(WallTouches, OfBothSidesOfATubeAreTwo) {
   Contacts tube({mesh_wall("tube", frustum_triangles(0, 0.1, 0.01, 0.01, 90, 4))});
   const auto pushes = tube({0, 0, 0.04}, 0.01);  // corners reach 0.01, strips 0.01 cos(2 deg)

@@ -1,6 +1,7 @@
 #include "contact/wall_touches.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace repose::dem {
 namespace {
@@ -16,6 +17,29 @@ bool crosses(const Facet& facet, const Vec3& x, const Vec3& q, double tolerance)
   if (before * beyond >= 0.0 || std::abs(beyond) < tolerance) return false;
   const Vec3 crossing = x + before / (before - beyond) * (q - x);
   return std::abs(closest_point(facet, crossing).distance) < tolerance;
+}
+
+/// How far the closest point a lies from the line in which the planes through a and b, normal to
+/// their directions, intersect.
+double way_to_crease(const ClosestPoint& a, const ClosestPoint& b) {
+  const double cosine = a.direction.dot(b.direction);
+  const double sine = cross(a.direction, b.direction).norm();
+  return sine > 0.0 ? std::abs(a.distance * cosine - b.distance) / sine : 0.0;
+}
+
+/// Between two facets of a hollow smooth surface the normal turns evenly while the sphere touches
+/// both: a point on its crease has no weight, so none jumps in or out.
+Vec3 smooth_normal(const std::vector<ClosestPoint>& points) {
+  if (points.size() == 1) return points.front().direction;
+  Vec3 sum = Vec3::Zero();
+  for (const ClosestPoint& a : points) {
+    double weight = std::numeric_limits<double>::infinity();
+    for (const ClosestPoint& b : points)
+      if (&a != &b) weight = std::min(weight, way_to_crease(a, b));
+    sum += weight * a.direction;
+  }
+  const double length = sum.norm();
+  return length > 0.0 ? Vec3(sum * (1.0 / length)) : points.front().direction;
 }
 
 }  // namespace
@@ -95,23 +119,18 @@ void WallTouches::group_smooth(const Walls& walls) {
 void WallTouches::merge_groups(const Walls& walls, double radius) {
   for (std::size_t a = 0; a < accepted_.size(); ++a) {
     const std::int32_t group = accepted_[a].group;
-    bool first = true;
-    for (std::size_t b = 0; b < a; ++b) first = first && accepted_[b].group != group;
-    if (!first) continue;
-    const Facet& facet = walls.facet(accepted_[a].facet);
-    WallPush push{accepted_[a].point.direction, radius - accepted_[a].point.distance, facet.wall,
-                  facet.patch};
-    Vec3 weighted = push.overlap * push.normal;
-    bool merged = false;
-    for (std::size_t b = a + 1; b < accepted_.size(); ++b) {
+    members_.clear();
+    bool is_first = true;
+    for (std::size_t b = 0; b < accepted_.size(); ++b) {
       if (accepted_[b].group != group) continue;
-      const double overlap = radius - accepted_[b].point.distance;
-      push.overlap = std::max(push.overlap, overlap);
-      weighted += overlap * accepted_[b].point.direction;
-      merged = true;
+      is_first = is_first && b >= a;
+      members_.push_back(accepted_[b].point);
     }
-    if (merged) push.normal = weighted.normalized();
-    pushes_.push_back(push);
+    if (!is_first) continue;
+    const Facet& facet = walls.facet(accepted_[a].facet);
+    double closest = members_.front().distance;
+    for (const ClosestPoint& member : members_) closest = std::min(closest, member.distance);
+    pushes_.push_back({smooth_normal(members_), radius - closest, facet.wall, facet.patch});
   }
 }
 

@@ -24,7 +24,7 @@ struct WallPush {
 /// of an edge is met between the normals of its facets. A face is dropped if an accepted contact
 /// has the same point. A point that another flat facet hides is dropped: the far side of a thin
 /// plate. What remains on one smooth patch under nearly the same normal is one
-/// contact, with the largest overlap and the normal weighted with overlaps.
+/// contact, with the largest overlap and a normal that turns evenly from one facet's to the next.
 class WallTouches {
  public:
   /// `facets` are those that the sphere may touch. The result is valid until the next call.
@@ -46,6 +46,7 @@ class WallTouches {
 
   std::vector<Touch> touches_;  // all, in the order of acceptance
   std::vector<Touch> accepted_;
+  std::vector<ClosestPoint> members_;
   std::vector<WallPush> pushes_;
 };
 
