@@ -16,9 +16,9 @@ class Contacts {
   explicit Contacts(const std::vector<scene::Wall>& walls) : walls_(with(walls)) {}
 
   std::vector<WallPush> operator()(const Vec3& x, double radius) {
-    std::vector<std::int32_t> near;
-    walls_.add_near(x, radius, near);
-    std::vector<WallPush> pushes = touches_.find(walls_, x, radius, near);
+    std::vector<NearFacet> near;
+    walls_.add_near(x, radius, 0.0, near);
+    std::vector<WallPush> pushes = touches_.find(walls_, x, radius, near, 0.0);
     std::sort(pushes.begin(), pushes.end(), [](const WallPush& a, const WallPush& b) {
       for (int k = 0; k < 3; ++k)
         if (std::abs(a.normal[k] - b.normal[k]) > 1e-6) return a.normal[k] < b.normal[k];

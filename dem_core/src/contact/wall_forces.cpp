@@ -51,15 +51,17 @@ void add_wall_forces(const LawTable& laws, double dt, const WallList& list, Wall
   contacts.before.swap(contacts.all);
   contacts.all.clear();
   WallTouches touches;
+  const double walls_moved = walls.displacement();
   std::size_t next = 0;
   for (std::size_t i = 0; i < spheres.size(); ++i) {
-    const std::span<const std::int32_t> facets = list.row(i);
+    const std::span<const NearFacet> facets = list.row(i);
     if (facets.empty()) continue;
     const auto id = static_cast<std::int32_t>(i);
     const Motion& sphere = spheres.motion[i];
+    const double moved = (sphere.x - spheres.x_listed[i]).norm() + walls_moved;
     const std::span<WallContact> before = contacts_of(id, contacts.before, next);
     Load& load = spheres.load[i];
-    for (const WallPush& push : touches.find(walls, sphere.x, sphere.radius, facets)) {
+    for (const WallPush& push : touches.find(walls, sphere.x, sphere.radius, facets, moved)) {
       const WallBody& wall = walls.at(static_cast<std::size_t>(push.wall));
       deepest.see(push.overlap, sphere.radius, id, push.wall, true);
       contacts.all.push_back(

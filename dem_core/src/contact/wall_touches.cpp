@@ -51,13 +51,13 @@ bool WallTouches::comes_before(const Touch& a, const Touch& b) {
 }
 
 const std::vector<WallPush>& WallTouches::find(const Walls& walls, const Vec3& x, double radius,
-                                               std::span<const std::int32_t> facets) {
+                                               std::span<const NearFacet> facets, double moved) {
   touches_.clear();
   pushes_.clear();
-  for (const std::int32_t f : facets) {
-    if (!walls.wall_of(walls.facet(f)).present) continue;
-    const ClosestPoint point = walls.closest_point(f, x);
-    if (point.distance < radius) touches_.push_back({point, f, 0});
+  for (const NearFacet& near : facets) {
+    if (near.gap > moved || !walls.wall_of(walls.facet(near.facet)).present) continue;
+    const ClosestPoint point = walls.closest_point(near.facet, x);
+    if (point.distance < radius) touches_.push_back({point, near.facet, 0});
   }
   if (touches_.empty()) return pushes_;
   select(walls, x, radius);

@@ -27,9 +27,10 @@ struct WallPush {
 /// contact, with the largest overlap and a normal that turns evenly from one facet's to the next.
 class WallTouches {
  public:
-  /// `facets` are those that the sphere may touch. The result is valid until the next call.
+  /// `facets` are those that the sphere may touch, with their gaps before it and the walls together
+  /// moved by up to `moved`. The result is valid until the next call.
   const std::vector<WallPush>& find(const Walls& walls, const Vec3& x, double radius,
-                                    std::span<const std::int32_t> facets);
+                                    std::span<const NearFacet> facets, double moved);
 
  private:
   struct Touch {

@@ -205,12 +205,14 @@ ClosestPoint Walls::closest_point(std::int32_t i, const Vec3& x) const {
   return point;
 }
 
-void Walls::add_near(const Vec3& x, double reach, std::vector<std::int32_t>& facets) const {
+void Walls::add_near(const Vec3& x, double radius, double largest_gap,
+                     std::vector<NearFacet>& facets) const {
   for (const WallBody& body : bodies_) {
     if (!body.present) continue;
     const Vec3 drawn = body.now.pose.to_drawn(x);
-    body.tree.visit_near(drawn, reach, [&](std::int32_t i) {
-      if (dem::closest_point(facet(i), drawn).distance < reach) facets.push_back(i);
+    body.tree.visit_near(drawn, radius + largest_gap, [&](std::int32_t i) {
+      const double gap = dem::closest_point(facet(i), drawn).distance - radius;
+      if (gap < largest_gap) facets.push_back({i, gap});
     });
   }
 }

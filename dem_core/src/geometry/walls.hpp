@@ -29,6 +29,12 @@ struct WallLoadSum {
   double work = 0.0;           ///< of the wall on particles, J
 };
 
+/// A facet near a sphere; it cannot touch before sphere and wall together have moved by the gap.
+struct NearFacet {
+  std::int32_t facet;
+  double gap;  ///< between the surfaces, negative where they overlap
+};
+
 /// All walls; each has the facets of its shape in the frame in which it was drawn, and a pose.
 class Walls {
  public:
@@ -60,8 +66,9 @@ class Walls {
 
   /// The point of facet i that is closest to x, both in the world.
   ClosestPoint closest_point(std::int32_t i, const Vec3& x) const;
-  /// Appends the facets of all present walls that are closer to x than `reach`.
-  void add_near(const Vec3& x, double reach, std::vector<std::int32_t>& facets) const;
+  /// Appends the facets of all present walls that are closer than `largest_gap` to a sphere.
+  void add_near(const Vec3& x, double radius, double largest_gap,
+                std::vector<NearFacet>& facets) const;
   /// Whether a sphere touches no wall.
   bool is_clear(const Vec3& x, double radius) const;
 

@@ -74,7 +74,7 @@ WallList find_walls(const Walls& walls, double skin, const std::vector<Motion>& 
   list.facets.reserve(expected);
   for (const Motion& sphere : motion) {
     list.first.push_back(static_cast<std::int32_t>(list.facets.size()));
-    walls.add_near(sphere.x, sphere.radius + skin, list.facets);
+    walls.add_near(sphere.x, sphere.radius, skin, list.facets);
   }
   list.first.push_back(static_cast<std::int32_t>(list.facets.size()));
   return list;

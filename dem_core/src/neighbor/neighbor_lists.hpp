@@ -25,12 +25,12 @@ struct NeighborList {
   std::vector<Neighbor> entries;
 };
 
-/// Compressed rows of the facets that a sphere may come to touch, as numbered by Walls.
+/// Compressed rows of the facets that a sphere may come to touch, with their gaps when listed.
 struct WallList {
   std::vector<std::int32_t> first;
-  std::vector<std::int32_t> facets;
+  std::vector<NearFacet> facets;
 
-  std::span<const std::int32_t> row(std::size_t i) const {
+  std::span<const NearFacet> row(std::size_t i) const {
     return {facets.data() + first[i], static_cast<std::size_t>(first[i + 1] - first[i])};
   }
 };
