@@ -72,6 +72,17 @@ TEST(DrawdownScenario, ReadsOverridesAndLayering) {
   EXPECT_NEAR(c.fill->layers[1].mass_kg, 66 * 0.036 * 0.75, 1e-12);
 }
 
+TEST(DrawdownScenario, MakesAMaterialOfClumps) {
+  const std::string sinter =
+      "preset = \"quick\"\nlayers = [\"sinter\"]\nsolid_fraction = 0.25\n[[material]]\n"
+      "name = \"sinter\"\nsymbol = \"s\"\ndensity_kg_m3 = 3449\nmass_share = 1\n"
+      "sizes = [{diameter_m = 0.01, mass_fraction = 1}]\n";
+  const auto c = read(sinter + "clump = \"sinter_3\"\n").make_case({}, 1);
+  EXPECT_EQ(c.fill->layers[0].mixture[0].clump, "sinter_3");
+  EXPECT_NO_THROW(scene::validate(c));
+  EXPECT_NE(refusal(sinter + "clump = \"cube\"\n").find("sinter_3"), std::string::npos);
+}
+
 TEST(DrawdownScenario, NamesWhatCannotBe) {
   EXPECT_NE(refusal("outlet_m = 0.3").find("outlet_m = 0.3: it must be below width_m = 0.2"),
             std::string::npos);

@@ -155,7 +155,7 @@ std::vector<scene::Layer> layers_of(const Drawdown& rig) {
         static_cast<double>(std::count(rig.layers.begin(), rig.layers.end(), name));
     layers.push_back(
         {.mass_kg = rig.mass_per_thickness_kg_m * rig.thickness_m * material.mass_share / of_this,
-         .mixture = {{.material = name, .sizes = material.sizes}}});
+         .mixture = {{.material = name, .clump = material.clump, .sizes = material.sizes}}});
   }
   return layers;
 }
@@ -194,6 +194,14 @@ std::vector<scene::SizeClass> read_sizes(const TomlTable& material) {
   }
   if (sizes.empty()) material.fail("", "the key sizes is missing; give at least one size");
   return sizes;
+}
+
+/// A shipped shape: a scenario has no place for shapes of its own.
+std::string read_clump(const TomlTable& material) {
+  if (!material.has("clump")) return "";
+  std::vector<std::string> names;
+  for (const scene::ClumpShape& shape : scene::shipped_clumps()) names.push_back(shape.name);
+  return material.choice("clump", names);
 }
 
 }  // namespace
@@ -249,7 +257,8 @@ Drawdown Drawdown::read(const TomlTable& table) {
            .density_kg_m3 = m.number("density_kg_m3", kPositive),
            .poissons_ratio = m.number_or("poissons_ratio", 0.25, {.lower = 0.0, .upper = 0.5}),
            .mass_share = m.number("mass_share", {.lower = 0.0, .upper = 1.0, .open_lower = true}),
-           .sizes = read_sizes(m)});
+           .sizes = read_sizes(m),
+           .clump = read_clump(m)});
   }
   if (const auto shares = table.table_if_present("mass_shares"))
     for (auto& material : rig.materials)

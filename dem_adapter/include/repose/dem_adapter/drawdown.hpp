@@ -24,6 +24,7 @@ struct DrawdownMaterial {
   double poissons_ratio = 0.25;
   double mass_share = 0.0;  ///< of the whole filling
   std::vector<scene::SizeClass> sizes;
+  std::string clump{};  ///< a shipped shape, e.g. "sinter_3"; empty for spheres
 };
 
 /// x across, y through the thickness, z up; the upper floor with its slot is at z = 0, the lower
