@@ -135,8 +135,9 @@ void print(const char* name, const std::vector<Kpis>& runs) {
 
 TEST(Liggghts, DrawsDownTheSamePackingsWithTheSameAngleAndFlow) {
   if (!have_liggghts()) GTEST_SKIP() << "liggghts is not installed (Debian package liggghts)";
-  const char* asked = std::getenv("REPOSE_PACKINGS");  // eight cannot decide 1.5 degrees for sure
-  const int packings = asked != nullptr ? std::atoi(asked) : 8;
+  // With eight packings the flow, which scatters by 5 %, could not be decided within 5 %.
+  const char* asked = std::getenv("REPOSE_PACKINGS");
+  const int packings = asked != nullptr ? std::atoi(asked) : 20;
   const fs::path folder =
       fs::temp_directory_path() / ("repose_drawdown_" + std::to_string(::getpid()));
   std::vector<Kpis> there, compat, own;

@@ -47,7 +47,11 @@ const std::vector<Group>& all_groups() {
       {"angular_momentum", "Angular momentum, orbital and spin",
        "Contact forces act in one point and rolling torques are opposite: only rounding is left.",
        angular_momentum},
-      {"elastic_gas", "Energy of an elastic gas", "Periodic box, no friction.", elastic_gas},
+      {"elastic_gas", "Energy of an elastic gas",
+       "27 spheres in a periodic box, no friction, 1 m/s. The error comes from where in a step a "
+       "contact "
+       "begins, so it walks at random and falls with the step.",
+       elastic_gas},
       {"time_step", "Order of the time step",
        "log₂ of the ratio of errors per halving of the step, from 200 to 1600 steps a contact. A "
        "contact that begins inside a step lowers the elastic order from 2 to 1.5 at worst.",
