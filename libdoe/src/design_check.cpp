@@ -1,4 +1,6 @@
 // The check of a design: is it a definitive screening design?
+#include "repose/doe/design_check.hpp"
+
 #include <fmt/format.h>
 
 #include <Eigen/QR>
@@ -10,8 +12,6 @@
 #include "fold_over.hpp"
 #include "repose/base/error.hpp"
 #include "repose/base/text.hpp"
-#include "repose/doe/designs.hpp"
-#include "repose/doe/model_terms.hpp"
 
 namespace repose::doe {
 namespace {
@@ -42,30 +42,58 @@ double largest_offdiagonal(Matrix square) {
   return square.cwiseAbs().maxCoeff();
 }
 
-double largest_correlation(const Matrix& coded) {
+Matrix correlations(const Matrix& coded) {
   Matrix centred = coded.rowwise() - coded.colwise().mean();
   for (Eigen::Index j = 0; j < centred.cols(); ++j) {
     const double norm = centred.col(j).norm();
     if (norm > 0.0) centred.col(j) /= norm;
   }
-  return std::min(1.0, largest_offdiagonal(centred.transpose() * centred));
+  Matrix r = (centred.transpose() * centred).cwiseMin(1.0).cwiseMax(-1.0);
+  r.diagonal().setOnes();
+  return r;
 }
 
-/// Largest |entry| of (X^T X)^-1 X^T Z in the rows of main effects; infinity if X has not full
-/// rank.
-double largest_alias(const Matrix& coded) {
-  const int factors = static_cast<int>(coded.cols());
-  const Matrix x = model_matrix(coded, candidate_terms(factors, CandidateTerms::main_effects));
-  if (x.rows() < x.cols()) return std::numeric_limits<double>::infinity();
-  const Eigen::ColPivHouseholderQR<Matrix> qr(x);
-  if (qr.rank() < x.cols()) return std::numeric_limits<double>::infinity();
-  double largest = 0.0;
-  for (const Term& term : candidate_terms(factors, CandidateTerms::main_and_second_order)) {
+void list_aliases(const Matrix& coded, const Eigen::ColPivHouseholderQR<Matrix>& qr,
+                  DesignCheck& check) {
+  double sum_of_squares = 0.0;
+  int second_order_terms = 0;
+  for (const Term& term : candidate_terms(check.factors, CandidateTerms::main_and_second_order)) {
     if (term.kind == Term::Kind::main_effect) continue;
-    const Vector coefficients = qr.solve(term_column(coded, term));
-    largest = std::max(largest, coefficients.tail(factors).cwiseAbs().maxCoeff());
+    ++second_order_terms;
+    const Vector coefficients = qr.solve(term_column(coded, term)).tail(check.factors);
+    for (int factor = 0; factor < check.factors; ++factor) {
+      if (std::abs(coefficients(factor)) < kSameLevel) continue;
+      check.aliases.push_back({factor, term, coefficients(factor)});
+      sum_of_squares += coefficients(factor) * coefficients(factor);
+    }
   }
-  return largest < kSameLevel ? 0.0 : largest;
+  std::stable_sort(check.aliases.begin(), check.aliases.end(), [](const Alias& a, const Alias& b) {
+    return std::abs(a.coefficient) > std::abs(b.coefficient);
+  });
+  if (!check.aliases.empty()) check.alias_max = std::abs(check.aliases.front().coefficient);
+  check.alias_rms = std::sqrt(sum_of_squares / (check.factors * second_order_terms));
+}
+
+/// What the fit of intercept and main effects can tell.
+void judge_main_effects(const Matrix& coded, DesignCheck& check) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  check.residual_df = check.runs - check.factors - 1;
+  check.two_stage_df = std::max(0, static_cast<int>(check.pairs.size()) - check.factors +
+                                       std::max(0, static_cast<int>(check.centre_runs.size()) - 1));
+  check.standard_error = Vector::Constant(check.factors, kInfinity);
+  check.alias_max = check.alias_rms = kInfinity;
+  const Matrix x =
+      model_matrix(coded, candidate_terms(check.factors, CandidateTerms::main_effects));
+  if (x.rows() < x.cols()) return;
+  const Eigen::ColPivHouseholderQR<Matrix> qr(x);
+  if (qr.rank() < x.cols()) return;
+  check.alias_max = 0.0;
+  list_aliases(coded, qr, check);
+  const auto p = static_cast<double>(x.cols());
+  check.d_efficiency =
+      std::exp(2.0 * qr.matrixR().diagonal().cwiseAbs().array().log().sum() / p) / check.runs;
+  const Matrix pseudo_inverse = qr.solve(Matrix::Identity(x.rows(), x.rows()));
+  check.standard_error = pseudo_inverse.bottomRows(check.factors).rowwise().norm();
 }
 
 std::vector<int> runs_with_other_levels(const Matrix& coded) {
@@ -146,10 +174,22 @@ DesignCheck check_design(const Matrix& coded) {
   check.gram_offdiagonal_max = largest_offdiagonal(coded.transpose() * coded);
   if (check.column_sum_max < kNoProduct) check.column_sum_max = 0.0;
   if (check.gram_offdiagonal_max < kNoProduct) check.gram_offdiagonal_max = 0.0;
-  check.correlation_max = largest_correlation(coded);
-  check.alias_max = largest_alias(coded);
+  check.correlation = correlations(coded);
+  check.correlation_max = largest_offdiagonal(check.correlation);
+  judge_main_effects(coded, check);
   list_problems(coded, check);
   return check;
+}
+
+Matrix missing_runs(const Matrix& coded) {
+  check_matrix(coded);
+  const FoldOver fold_over = find_fold_over(coded);
+  const auto mirrored = static_cast<Eigen::Index>(fold_over.orphans.size());
+  Matrix runs = Matrix::Zero(mirrored + (fold_over.centre_runs.empty() ? 1 : 0), coded.cols());
+  for (Eigen::Index i = 0; i < mirrored; ++i)
+    runs.row(i) = -coded.row(fold_over.orphans[static_cast<std::size_t>(i)]);
+  runs.array() += 0.0;  // no negative zeros
+  return runs;
 }
 
 }  // namespace repose::doe

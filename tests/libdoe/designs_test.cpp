@@ -1,9 +1,10 @@
-// Conference matrices, definitive screening designs and their check, in integers.
+// Conference matrices and definitive screening designs, in integers.
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "csv.hpp"
+#include "repose/base/error.hpp"
+#include "repose/doe/design_check.hpp"
 #include "repose/doe/designs.hpp"
 #include "repose/doe/model_terms.hpp"
 
@@ -11,7 +12,6 @@ namespace repose::doe {
 namespace {
 
 using Eigen::MatrixXi;
-using test::read_csv;
 
 TEST(ConferenceMatrix, HasZeroDiagonalSignsElsewhereAndOrthogonalRowsForEveryOrder) {
   const std::set<int> do_not_exist{22, 34, 58};
@@ -162,60 +162,6 @@ TEST(DefinitiveScreeningDesign, RefusesOptionsOutOfRange) {
   EXPECT_THROW(definitive_screening_design(101), InputError);
   EXPECT_THROW(definitive_screening_design(6, {.fake_factors = -1}), InputError);
   EXPECT_THROW(definitive_screening_design(6, {.centre_runs = 0}), InputError);
-}
-
-TEST(DesignCheck, AcceptsThePrintedDesignOfFifteenFactors) {
-  const DesignCheck check = check_design(read_csv("dsd_15_factors_coded.csv").numbers(1, 15));
-  EXPECT_TRUE(check.is_definitive_screening());
-  EXPECT_TRUE(check.is_orthogonal());
-  EXPECT_EQ(check.centre_runs, std::vector<int>{25});
-  EXPECT_EQ(check.pairs.size(), 18u);
-  EXPECT_EQ(check.pairs.front(), (std::pair<int, int>{0, 12}));
-  EXPECT_TRUE(check.orphans.empty());
-  EXPECT_EQ(check.column_sum_max, 0.0);
-}
-
-TEST(DesignCheck, RefusesThePrintedDesignOfTwelveFactors) {
-  const DesignCheck check = check_design(read_csv("dsd_12_factors_coded.csv").numbers(1, 12));
-  EXPECT_FALSE(check.is_definitive_screening());
-  EXPECT_TRUE(check.centre_runs.empty());
-  EXPECT_EQ(check.orphans,
-            (std::vector<int>{0, 7, 9, 14, 15, 18, 20}));  // runs 1, 8, 10, 15, 16, 19, 21
-  EXPECT_EQ(check.pairs.size(), 11u);
-  EXPECT_EQ(check.gram_offdiagonal_max, 5.0);
-  EXPECT_NEAR(check.correlation_max, 0.190, 0.0005);  // computed independently, three digits
-  EXPECT_NEAR(check.alias_max, 0.42, 0.005);          // two digits
-  ASSERT_EQ(check.problems.size(), 3u);
-  EXPECT_EQ(check.problems[0], "there is no centre run");
-  EXPECT_EQ(check.problems[1], "runs without a mirror image: 1, 8, 10, 15, 16, 19 and 21");
-}
-
-TEST(DesignCheck, AcceptsTheRepairedDesignsOfTwelveFactors) {
-  const DesignCheck completed =
-      check_design(read_csv("dsd_12_factors_completed_37.csv").numbers(2, 12));
-  EXPECT_TRUE(completed.is_definitive_screening());
-  EXPECT_TRUE(completed.is_orthogonal());
-  const DesignCheck valid = check_design(read_csv("dsd_12_factors_valid_29.csv").numbers(1, 12));
-  EXPECT_TRUE(valid.is_definitive_screening());
-  EXPECT_TRUE(valid.is_orthogonal());
-}
-
-TEST(DesignCheck, FindsOtherLevelsSeveralZerosAndConfoundedFactors) {
-  Matrix coded = definitive_screening_design(6, {.run_order = RunOrder::structured}).coded;
-  coded(2, 3) = 0.5;
-  const DesignCheck levels = check_design(coded);
-  EXPECT_EQ(levels.problems.front(), "runs with levels other than low, middle and high: 3");
-  EXPECT_EQ(levels.orphans, (std::vector<int>{2, 3}));
-
-  Matrix twins = definitive_screening_design(6).coded;
-  twins.col(1) = twins.col(0);
-  const DesignCheck confounded = check_design(twins);
-  EXPECT_TRUE(std::isinf(confounded.alias_max));
-  EXPECT_FALSE(confounded.is_definitive_screening());
-
-  EXPECT_THROW(check_design(Matrix()), InputError);
-  EXPECT_THROW(check_design(Matrix::Constant(3, 2, 1.5)), InputError);
-  EXPECT_THROW(check_design(Matrix::Constant(3, 2, std::nan(""))), InputError);
 }
 
 }  // namespace

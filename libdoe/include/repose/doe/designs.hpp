@@ -1,11 +1,8 @@
-// Designs of experiments: conference matrices, definitive screening designs, Latin hypercubes, and
-// the check of a design that came from elsewhere.
+// Designs of experiments: conference matrices, definitive screening designs, Latin hypercubes.
 #pragma once
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <string>
-#include <utility>
 #include <vector>
 
 #include "repose/base/parameter_space.hpp"
@@ -66,33 +63,5 @@ struct LatinHypercubeOptions {
 /// cells. The optimised criteria start from the plain hypercube of the same seed and are never
 /// worse than it by their own measure. Throws InputError if points or dimensions < 1.
 Matrix latin_hypercube(int points, int dimensions, const LatinHypercubeOptions& options = {});
-
-/// What a design in coded units is found to be. Runs are numbered from 0.
-struct DesignCheck {
-  int runs = 0;
-  int factors = 0;
-  std::vector<std::pair<int, int>> pairs;  ///< mirror images of each other, the lower run first
-  std::vector<int> centre_runs;            ///< all factors at 0
-  std::vector<int> orphans;                ///< neither centre runs nor with a mirror image
-  double column_sum_max = 0.0;             ///< largest |sum of a column|
-  double gram_offdiagonal_max = 0.0;       ///< largest |X^T X| between two main effects
-  double correlation_max = 0.0;            ///< largest |correlation| of two main effects
-  /// Largest |coefficient| of (X^T X)^-1 X^T Z: the share of a second-order effect (column of Z)
-  /// that a main effect's estimate carries; X holds intercept and main effects. Infinity if X has
-  /// not full rank.
-  double alias_max = 0.0;
-  /// One sentence for each property of a definitive screening design that fails, runs counted
-  /// from 1.
-  std::vector<std::string> problems;
-
-  bool is_definitive_screening() const { return problems.empty(); }
-  /// Main effects are also uncorrelated, as in designs from conference matrices.
-  bool is_orthogonal() const { return gram_offdiagonal_max == 0.0; }
-};
-
-/// Three levels, every run with its mirror image or a centre run, at least one centre run, at most
-/// one factor of a run at the middle, main effects estimable and free of second-order effects
-/// [JonesNachtsheim2011]. Throws InputError for an empty matrix or values outside [-1, 1].
-DesignCheck check_design(const Matrix& coded);
 
 }  // namespace repose::doe

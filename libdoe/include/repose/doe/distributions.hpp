@@ -1,4 +1,4 @@
-// Tail probabilities of the tests, accurate far into the tail.
+// Tail probabilities of the tests, accurate far into the tail, and the power of the t test.
 #pragma once
 
 namespace repose::doe {
@@ -9,5 +9,14 @@ double f_upper_tail(double f, double df1, double df2);
 
 /// P(|T| > |t|) for Student's t; relative error as above. NaN if t is NaN or df is not positive.
 double t_two_sided(double t, double df);
+
+/// The t with t_two_sided(t, df) = alpha. Throws InputError unless 0 < alpha < 1 and df >= 1.
+double t_critical(double alpha, double df);
+
+/// Probability that a coefficient is found significant at level alpha in a two-sided t test when it
+/// truly is `effect` of its standard errors: the upper tail of the noncentral F with 1 and df
+/// degrees of freedom and noncentrality effect^2. Error below 1e-9. Throws InputError unless
+/// 0 < alpha < 1, df >= 1 and `effect` is finite.
+double t_test_power(double effect, double df, double alpha);
 
 }  // namespace repose::doe
