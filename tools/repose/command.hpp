@@ -27,6 +27,7 @@ const std::string& command_line();
 
 void add_calibrate(CLI::App& app);
 void add_design(CLI::App& app);
+void add_design_check(CLI::App& design);
 void add_fit(CLI::App& app);
 void add_predict(CLI::App& app);
 void add_simulate(CLI::App& app);

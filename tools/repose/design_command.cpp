@@ -1,12 +1,11 @@
-// repose design dsd|lhs: the runs of an experiment as a table.
+// repose design dsd|lhs|check: the runs of an experiment as a table.
 #include <fmt/format.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
-#include "repose/base/error.hpp"
-#include "repose/base/toml.hpp"
+#include "design_columns.hpp"
 #include "repose/doe/designs.hpp"
 #include "repose/table/io.hpp"
 
@@ -23,17 +22,6 @@ struct DesignOptions {
   int points = 0;
   std::string criterion = "maximin";
 };
-
-/// A factors file: [parameters] with a table NAME = {lower, upper, scale, unit} each.
-ParameterSpace read_factors(const std::string& file) {
-  const auto root = TomlTable::read_file(file);
-  const auto table = root.table("parameters");
-  std::vector<Parameter> parameters;
-  for (const auto& name : table.keys()) parameters.push_back(read_parameter(table, name));
-  root.refuse_unknown_keys();
-  if (parameters.empty()) table.fail("", "there are no parameters; give at least one");
-  return ParameterSpace(std::move(parameters));
-}
 
 table::Table as_table(const ParameterSpace& space, const Matrix& unit) {
   const Matrix natural = space.from_unit_rows(unit);
@@ -110,7 +98,7 @@ std::shared_ptr<DesignOptions> add_kind(CLI::App& group, const std::string& name
 }  // namespace
 
 void add_design(CLI::App& app) {
-  auto* group = app.add_subcommand("design", "Designs experiments");
+  auto* group = app.add_subcommand("design", "Designs experiments and checks designs");
   group->require_subcommand(1);
   auto dsd =
       add_kind(*group, "dsd", "Definitive screening design: three levels, 2 n + 1 runs", screening);
@@ -130,6 +118,7 @@ void add_design(CLI::App& app) {
       ->add_option("--criterion", lhs->criterion, "plain, maximin or correlation")
       ->capture_default_str()
       ->check(CLI::IsMember({"plain", "maximin", "correlation"}));
+  add_design_check(*group);
 }
 
 }  // namespace repose::cli

@@ -1,0 +1,162 @@
+// A table as a design.
+#include "design_columns.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "repose/base/error.hpp"
+#include "repose/base/text.hpp"
+#include "repose/base/toml.hpp"
+
+namespace repose::cli {
+namespace {
+
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// Not a factor unless it is asked for: how runs are customarily numbered.
+bool numbers_runs(const std::string& name) {
+  constexpr std::array kNames{"run",       "row",        "id",  "pair", "pair_id",
+                              "replicate", "repetition", "rep", "seed", "point"};
+  return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
+}
+
+std::vector<std::string> names_of_factors(const table::Table& table, const FactorOptions& options,
+                                          const std::optional<ParameterSpace>& space,
+                                          const std::vector<std::string>& others) {
+  if (!options.columns.empty()) return options.columns;
+  if (space) return space->names();
+  auto names = table.names_with_role(table::Role::factor);
+  if (names.empty())
+    for (const auto& c : table.columns())
+      if (c.role == table::Role::none && !contains(others, c.name) && !numbers_runs(c.name) &&
+          !std::holds_alternative<std::vector<std::string>>(c.values))
+        names.push_back(c.name);
+  if (names.empty())
+    throw InputError("the table has no column that can be a factor; name them with --columns");
+  return names;
+}
+
+DesignFactor with_middle(std::string name, double lower, double upper, Scale scale) {
+  const double middle =
+      scale == Scale::log ? std::sqrt(lower) * std::sqrt(upper) : 0.5 * lower + 0.5 * upper;
+  return {std::move(name), lower, middle, upper, scale};
+}
+
+/// The scale on which three levels are more nearly equally spaced; linear for other numbers of
+/// levels.
+Scale scale_of_levels(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+  if (values.size() != 3 || values[0] <= 0.0) return Scale::linear;
+  const double geometric = std::sqrt(values[0]) * std::sqrt(values[2]);
+  const double arithmetic = 0.5 * (values[0] + values[2]);
+  return std::abs(values[1] - geometric) < std::abs(values[1] - arithmetic) ? Scale::log
+                                                                            : Scale::linear;
+}
+
+DesignFactor factor_of(const table::Table& table, const std::string& name,
+                       const std::optional<ParameterSpace>& space) {
+  const auto values = table.numbers(name);
+  const auto missing =
+      std::find_if(values.begin(), values.end(), [](double v) { return std::isnan(v); });
+  if (missing != values.end())
+    throw InputError(
+        fmt::format("column {} has no value in row {}; every run of a design needs one", name,
+                    missing - values.begin() + 1));
+  if (space)
+    for (const auto& p : space->parameters())
+      if (p.name == name) return with_middle(name, p.lower, p.upper, p.scale);
+  if (const auto& range = table.column(name).range)
+    return with_middle(name, range->lower, range->upper, range->scale);
+  const auto [least, most] = std::minmax_element(values.begin(), values.end());
+  if (least == values.end() || !(*least < *most))
+    throw InputError(fmt::format(
+        "column {} is {} in every row: it is no factor; name the factors with --columns", name,
+        values.empty() ? "empty" : shortest(*least)));
+  return with_middle(name, *least, *most, scale_of_levels(values));
+}
+
+double coded(const DesignFactor& f, double value) {
+  if (value == f.middle) return 0.0;
+  const double unit = f.scale == Scale::log
+                          ? std::log(value / f.lower) / std::log(f.upper / f.lower)
+                          : (value - f.lower) / (f.upper - f.lower);
+  const double level = 2.0 * unit - 1.0, nearest = std::round(level);
+  return std::abs(level - nearest) <= 1e-9 ? nearest + 0.0 : level;
+}
+
+}  // namespace
+
+ParameterSpace read_factors(const std::string& file) {
+  const auto root = TomlTable::read_file(file);
+  const auto table = root.table("parameters");
+  std::vector<Parameter> parameters;
+  for (const auto& name : table.keys()) parameters.push_back(read_parameter(table, name));
+  root.refuse_unknown_keys();
+  if (parameters.empty()) table.fail("", "there are no parameters; give at least one");
+  return ParameterSpace(std::move(parameters));
+}
+
+void add_factor_options(CLI::App& command, FactorOptions& options) {
+  command
+      .add_option("--columns", options.columns,
+                  "the factors' columns; without it those of\n--factors, those with the role "
+                  "factor, or all\nnumbers that can be factors")
+      ->delimiter(',');
+  command.add_option("--factors", options.factors,
+                     "TOML file with names and ranges; without it\nthe ranges in the table, or its "
+                     "lowest and\nhighest values");
+}
+
+std::vector<std::string> CodedDesign::names() const {
+  std::vector<std::string> names;
+  for (const auto& f : factors) names.push_back(f.name);
+  return names;
+}
+
+double CodedDesign::natural(std::size_t factor, double level) const {
+  const auto& f = factors.at(factor);
+  if (level == 0.0) return f.middle;
+  if (std::abs(level) == 1.0) return level < 0.0 ? f.lower : f.upper;
+  const double unit = 0.5 * (level + 1.0);
+  return f.scale == Scale::log ? f.lower * std::pow(f.upper / f.lower, unit)
+                               : f.lower + unit * (f.upper - f.lower);
+}
+
+CodedDesign coded_design(const table::Table& table, const FactorOptions& options,
+                         const std::vector<std::string>& others) {
+  std::optional<ParameterSpace> space;
+  if (!options.factors.empty()) space = read_factors(options.factors);
+  CodedDesign design;
+  const auto names = names_of_factors(table, options, space, others);
+  if (table.rows() == 0) throw InputError("the table has no rows");
+  design.coded =
+      Matrix(static_cast<Eigen::Index>(table.rows()), static_cast<Eigen::Index>(names.size()));
+  for (std::size_t j = 0; j < names.size(); ++j) {
+    if (contains(others, names[j]))
+      throw InputError(fmt::format("column {} cannot be a factor and something else", names[j]));
+    design.factors.push_back(factor_of(table, names[j], space));
+    const auto& f = design.factors.back();
+    const auto values = table.numbers(names[j]);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const double level =
+          f.scale == Scale::log && values[i] <= 0.0 ? -INFINITY : coded(f, values[i]);
+      if (!(std::abs(level) <= 1.0))
+        throw InputError(
+            fmt::format("row {}: {} = {} is outside its range [{}, {}]; correct the "
+                        "value or the range (--factors)",
+                        i + 1, f.name, shortest(values[i]), shortest(f.lower), shortest(f.upper)));
+      if (level == 0.0) design.factors.back().middle = values[i];  // as the table writes it
+      design.coded(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = level;
+    }
+  }
+  return design;
+}
+
+}  // namespace repose::cli
