@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
 #include <system_error>
 #include <utility>
 
@@ -40,6 +41,14 @@ bool is_hard_link(const Object& group, const std::string& name) {
   H5L_info_t info{};
   return H5Lget_info(group.id(), name.c_str(), &info, H5P_DEFAULT) < 0 ||
          info.type == H5L_TYPE_HARD;
+}
+
+bool is_old_matlab_file(const std::filesystem::path& path) {
+  constexpr std::string_view kStart = "MATLAB 5.0";
+  std::string start(kStart.size(), ' ');
+  std::ifstream(path, std::ios::binary)
+      .read(start.data(), static_cast<std::streamsize>(start.size()));
+  return start == kStart;
 }
 
 Handle file_access() {
@@ -91,6 +100,11 @@ Object open_file(const std::filesystem::path& path) {
     throw StorageError(fmt::format("cannot read {}: it is a directory", name));
   const htri_t is_hdf5 = H5Fis_hdf5(name.c_str());
   if (is_hdf5 < 0) fail(fmt::format("cannot read {}", name));
+  if (is_hdf5 == 0 && is_old_matlab_file(path))
+    throw StorageError(fmt::format(
+        "cannot read {}: it is a MATLAB file of a version before 7.3; in MATLAB load it and save "
+        "it with save(FILE, '-v7.3')",
+        name));
   if (is_hdf5 == 0)
     throw StorageError(fmt::format(
         "cannot read {}: it is not an HDF5 file (or was cut off); a table is *.h5 or *.csv", name));
@@ -142,6 +156,36 @@ Object create_group(const Object& file, const std::string& path) {
       exists > 0 ? H5Gopen2(file.id(), path.c_str(), H5P_DEFAULT)
                  : H5Gcreate2(file.id(), path.c_str(), links.get(), creation.get(), H5P_DEFAULT);
   return {Handle(checked(id, what), H5Gclose), where};
+}
+
+PathKind kind_of(const Object& parent, const std::string& path) {
+  const Handle object(H5Oopen(parent.id(), path.c_str(), H5P_DEFAULT), H5Oclose);
+  if (object.get() < 0) return PathKind::absent;
+  const H5I_type_t type = H5Iget_type(object.get());
+  return type == H5I_GROUP     ? PathKind::group
+         : type == H5I_DATASET ? PathKind::dataset
+                               : PathKind::other;
+}
+
+Object open_dataset(const Object& parent, const std::string& path) {
+  const std::string where = child_where(parent, path);
+  if (kind_of(parent, path) == PathKind::absent)
+    throw StorageError(fmt::format(
+        "cannot read {}: there is no such dataset in the file, or it is damaged", where));
+  const hid_t id = H5Dopen2(parent.id(), path.c_str(), H5P_DEFAULT);
+  return {Handle(checked(id, fmt::format("cannot read {}: it is damaged or no dataset", where)),
+                 H5Dclose),
+          where};
+}
+
+std::optional<std::vector<hsize_t>> extents(const Object& dataset) {
+  const std::string what = fmt::format("cannot read {}", dataset.where);
+  const Handle space(checked(H5Dget_space(dataset.id()), what), H5Sclose);
+  if (H5Sget_simple_extent_type(space.get()) == H5S_NULL) return std::nullopt;
+  const int rank = checked(H5Sget_simple_extent_ndims(space.get()), what);
+  std::vector<hsize_t> result(static_cast<std::size_t>(rank));
+  checked(H5Sget_simple_extent_dims(space.get(), result.data(), nullptr), what);
+  return result;
 }
 
 std::vector<Child> children(const Object& group) {

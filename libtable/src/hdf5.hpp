@@ -86,14 +86,43 @@ std::vector<Child> children(const Object& group);
 /// Absolute paths of all groups of the file, "/" first.
 std::vector<std::string> all_groups(const Object& file);
 
-// Datasets and attributes (hdf5_values.cpp).
-Object open_dataset(const Object& group, const std::string& name);
+// Datasets (hdf5.cpp, hdf5_values.cpp).
+enum class PathKind { absent, group, dataset, other };
+/// What `path`, absolute or relative, leads to.
+PathKind kind_of(const Object& parent, const std::string& path);
+Object open_dataset(const Object& parent, const std::string& path);
 /// Extents; none for a scalar, nothing for a dataset that is declared empty.
 std::optional<std::vector<hsize_t>> extents(const Object& dataset);
-/// A 1-D dataset of integers, decimal numbers or text. Throws InputError for any other type.
-Values read_values(const Object& dataset);
+bool holds_numbers(const Object& dataset);
+
+/// A member of a compound type; more than one element: an array.
+struct Member {
+  std::string name;
+  std::size_t elements;
+};
+/// None if the type is not compound.
+std::vector<Member> members(const Object& dataset);
+
+/// Where a column lies within a dataset: all of a 1-D one, a column of a 2-D one, an element of a
+/// member of a compound one.
+struct Part {
+  int row_axis = 0;    ///< of a 2-D dataset: the axis along which rows are counted
+  hsize_t column = 0;  ///< of a 2-D dataset: place on the other axis
+  std::string member = {};
+  std::size_t element = 0;
+};
+struct RowRange {
+  hsize_t first;
+  hsize_t count;
+};
+/// Rows that exist of a 1-D or 2-D dataset: integers, decimal numbers or text. Throws InputError
+/// for any other type.
+Values read_values(const Object& dataset, const Part& part, const RowRange& rows);
+/// Rows that HDF5 reads at once; 1 if it reads any number equally well.
+hsize_t chunk_rows(const Object& dataset, const Part& part);
 Object write_values(const Object& group, const std::string& name, const Values& values);
 
+// Attributes (hdf5_attributes.cpp).
 std::optional<Attribute> read_attribute(const Object& object, const std::string& name);
 /// All whose type is one of Attribute's.
 Attributes read_attributes(const Object& object);

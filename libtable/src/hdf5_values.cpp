@@ -1,16 +1,13 @@
-// Values of datasets and attributes, between C++ and HDF5's types.
+// Datasets: the columns of tables, and where they lie in datasets that hold several.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <limits>
-#include <new>
-#include <stdexcept>
 #include <utility>
 
-#include "hdf5.hpp"
+#include "hdf5_types.hpp"
 #include "repose/base/error.hpp"
 
 namespace repose::table::hdf5 {
@@ -21,129 +18,112 @@ constexpr std::size_t kCompressAboveBytes = 64 * 1024;
 /// Values in a chunk: 512 kB, half of HDF5's chunk cache.
 constexpr hsize_t kChunkRows = 64 * 1024;
 
+/// "FILE:/runs, member mass_kg".
+std::string where_of(const Object& dataset, const Part& part) {
+  return part.member.empty() ? dataset.where
+                             : fmt::format("{}, member \"{}\"", dataset.where, part.member);
+}
+
 std::string cannot_read(const std::string& where) {
   return fmt::format("cannot read {}", where);
 }
-std::string cannot_write(const std::string& where) {
-  return fmt::format("cannot write {}", where);
-}
 
-/// What reading and writing values has in common for datasets and attributes.
-struct Source {
-  hid_t type;
-  hid_t space;
-  std::size_t count;
-  bool is_attribute;
-  hid_t id;
-  const std::string& where;
-
-  void read(hid_t memory_type, void* data) const {
-    if (count == 0) return;  // HDF5 refuses the null pointer of an empty vector
-    checked(is_attribute ? H5Aread(id, memory_type, data)
-                         : H5Dread(id, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data),
-            fmt::format("{}: it is damaged", cannot_read(where)));
+/// The type of a member, or of the elements of one that is an array; the type itself otherwise.
+struct ElementType {
+  Handle type;
+  std::vector<hsize_t> array;  ///< extents of a member that is an array
+  std::size_t elements() const {
+    std::size_t n = 1;
+    for (const hsize_t extent : array) n *= extent;
+    return n;
   }
 };
 
-template <class T>
-std::vector<T> sized(std::size_t count, const std::string& where) try {
-  return std::vector<T>(count);
-} catch (const std::bad_alloc&) {
-  throw StorageError(
-      fmt::format("{}: its {} values do not fit into memory", cannot_read(where), count));
-} catch (const std::length_error&) {
-  throw StorageError(
-      fmt::format("{}: its {} values do not fit into memory", cannot_read(where), count));
+ElementType element_type(hid_t type, const std::string& where) {
+  const std::string what = cannot_read(where);
+  if (H5Tget_class(type) != H5T_ARRAY) return {Handle(checked(H5Tcopy(type), what), H5Tclose), {}};
+  std::vector<hsize_t> array(static_cast<std::size_t>(checked(H5Tget_array_ndims(type), what)));
+  checked(H5Tget_array_dims2(type, array.data()), what);
+  return {Handle(checked(H5Tget_super(type), what), H5Tclose), array};
 }
 
-template <class T>
-std::vector<T> read_numbers(const Source& source, hid_t memory_type) {
-  std::vector<T> values = sized<T>(source.count, source.where);
-  source.read(memory_type, values.data());
-  return values;
+ElementType type_of(const Object& dataset, const Part& part) {
+  const std::string where = where_of(dataset, part);
+  const std::string what = cannot_read(where);
+  Handle type(checked(H5Dget_type(dataset.id()), what), H5Tclose);
+  if (part.member.empty()) return {std::move(type), {}};
+  const int index = checked(H5Tget_member_index(type.get(), part.member.c_str()), what);
+  const Handle member(checked(H5Tget_member_type(type.get(), static_cast<unsigned>(index)), what),
+                      H5Tclose);
+  return element_type(member.get(), where);
 }
 
-std::vector<std::int64_t> read_integers(const Source& source) {
-  const bool is_wide_unsigned = H5Tget_class(source.type) == H5T_INTEGER &&
-                                H5Tget_sign(source.type) == H5T_SGN_NONE &&
-                                H5Tget_size(source.type) >= sizeof(std::uint64_t);
-  if (!is_wide_unsigned) return read_numbers<std::int64_t>(source, H5T_NATIVE_INT64);
-  const std::vector<std::uint64_t> wide = read_numbers<std::uint64_t>(source, H5T_NATIVE_UINT64);
-  constexpr auto kLargest = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
-  for (std::size_t row = 0; row < wide.size(); ++row)
-    if (wide[row] > kLargest)
-      throw InputError(fmt::format("{} holds {} in row {}; integers up to 2^63 - 1 are allowed",
-                                   source.where, wide[row], row + 1));
-  return {wide.begin(), wide.end()};
+/// The file's side of the rows.
+Handle selection(const Object& dataset, const Part& part, const RowRange& rows) {
+  const std::string what = cannot_read(dataset.where);
+  Handle space(checked(H5Dget_space(dataset.id()), what), H5Sclose);
+  const int rank = checked(H5Sget_simple_extent_ndims(space.get()), what);
+  REPOSE_ASSERT(rank == 1 || rank == 2, fmt::format("{} has rank {}", dataset.where, rank));
+  std::array<hsize_t, 2> first{part.column, part.column};
+  std::array<hsize_t, 2> count{1, 1};
+  const auto axis = static_cast<std::size_t>(rank == 1 ? 0 : part.row_axis);
+  first[axis] = rows.first;
+  count[axis] = rows.count;
+  checked(H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, first.data(), nullptr, count.data(),
+                              nullptr),
+          what);
+  return space;
 }
 
-std::vector<std::string> read_variable_texts(const Source& source) {
-  if (source.count == 0) return {};
-  const std::string what = cannot_read(source.where);
-  const Handle memory_type(checked(H5Tcopy(H5T_C_S1), what), H5Tclose);
-  checked(H5Tset_size(memory_type.get(), H5T_VARIABLE), what);
-  checked(H5Tset_cset(memory_type.get(), H5Tget_cset(source.type)), what);
-  std::vector<char*> pointers = sized<char*>(source.count, source.where);
-  source.read(memory_type.get(), pointers.data());
-  std::vector<std::string> texts;
-  texts.reserve(pointers.size());
-  for (const char* pointer : pointers) texts.emplace_back(pointer == nullptr ? "" : pointer);
-  checked(H5Dvlen_reclaim(memory_type.get(), source.space, H5P_DEFAULT, pointers.data()), what);
-  return texts;
-}
+/// Reads rows of one dataset, or of one member of it, into contiguous memory.
+struct RowFetch {
+  const Object& dataset;
+  const Part& part;
+  const ElementType& element;
+  hsize_t count;
+  const Handle& file_space;
 
-std::vector<std::string> read_fixed_texts(const Source& source) {
-  const std::size_t size = H5Tget_size(source.type);
-  if (size != 0 && source.count > std::numeric_limits<std::size_t>::max() / size)
-    throw StorageError(fmt::format("{}: its size is damaged", cannot_read(source.where)));
-  std::vector<char> bytes = sized<char>(source.count * size, source.where);
-  source.read(source.type, bytes.data());
-  const char padding = H5Tget_strpad(source.type) == H5T_STR_SPACEPAD ? ' ' : '\0';
-  std::vector<std::string> texts;
-  texts.reserve(source.count);
-  for (std::size_t row = 0; row < source.count; ++row) {
-    std::string_view text(bytes.data() + row * size, size);
-    if (padding == '\0') text = text.substr(0, text.find('\0'));
-    while (!text.empty() && text.back() == padding) text.remove_suffix(1);
-    texts.emplace_back(text);
+  void operator()(hid_t memory_type, void* data) const {
+    if (part.member.empty()) return read(memory_type, data);
+    const std::string what = cannot_read(where_of(dataset, part));
+    const std::size_t size = H5Tget_size(memory_type);
+    const std::size_t elements = element.elements();
+    const Handle inner(
+        checked(element.array.empty()
+                    ? H5Tcopy(memory_type)
+                    : H5Tarray_create2(memory_type, static_cast<unsigned>(element.array.size()),
+                                       element.array.data()),
+                what),
+        H5Tclose);
+    const Handle record(checked(H5Tcreate(H5T_COMPOUND, size * elements), what), H5Tclose);
+    checked(H5Tinsert(record.get(), part.member.c_str(), 0, inner.get()), what);
+    if (elements == 1) return read(record.get(), data);
+    std::vector<char> all(count * size * elements);
+    read(record.get(), all.data());
+    for (hsize_t row = 0; row < count; ++row)
+      std::memcpy(static_cast<char*>(data) + row * size,
+                  all.data() + (row * elements + part.element) * size, size);
   }
-  return texts;
-}
 
-/// Nothing if the type is neither number nor text.
-std::optional<Values> read_known(const Source& source) {
-  switch (H5Tget_class(source.type)) {
-    case H5T_FLOAT:
-      return read_numbers<double>(source, H5T_NATIVE_DOUBLE);
-    case H5T_INTEGER:
-    case H5T_ENUM:  // h5py's booleans
-      return read_integers(source);
-    case H5T_STRING:
-      return H5Tis_variable_str(source.type) > 0 ? read_variable_texts(source)
-                                                 : read_fixed_texts(source);
-    default:
-      return std::nullopt;
+ private:
+  void read(hid_t memory_type, void* data) const {
+    const std::string what = cannot_read(where_of(dataset, part));
+    const Handle memory_space(checked(H5Screate_simple(1, &count, nullptr), what), H5Sclose);
+    checked(
+        H5Dread(dataset.id(), memory_type, memory_space.get(), file_space.get(), H5P_DEFAULT, data),
+        fmt::format("{}: it is damaged", what));
   }
+};
+
+std::string unknown_type(hid_t type) {
+  return H5Tget_class(type) == H5T_REFERENCE
+             ? "holds references to other data, as a MATLAB cell array or array of structs does; "
+               "store an array of numbers for each column"
+             : "has a type that is neither number nor text; a column of a table holds one of these";
 }
 
-std::size_t element_count(hid_t space, const std::string& where) {
-  const hssize_t count = checked(H5Sget_simple_extent_npoints(space), cannot_read(where));
-  return static_cast<std::size_t>(count);
-}
-
-Handle text_type(const std::string& where) {
-  const std::string what = cannot_write(where);
-  Handle type(checked(H5Tcopy(H5T_C_S1), what), H5Tclose);
-  checked(H5Tset_size(type.get(), H5T_VARIABLE), what);
-  checked(H5Tset_cset(type.get(), H5T_CSET_UTF8), what);
-  return type;
-}
-
-std::vector<const char*> pointers_to(const std::vector<std::string>& texts) {
-  std::vector<const char*> pointers;
-  pointers.reserve(texts.size());
-  for (const std::string& text : texts) pointers.push_back(text.c_str());
-  return pointers;
+std::string cannot_write(const std::string& where) {
+  return fmt::format("cannot write {}", where);
 }
 
 /// Entropy of the byte planes of (a sample of) 8-byte values as a fraction of their size: what
@@ -194,73 +174,56 @@ Object create_dataset(const Object& group, const std::string& name, hid_t file_t
   return dataset;
 }
 
-void create_attribute(const Object& object, const std::string& name, hid_t file_type,
-                      hid_t memory_type, const void* data, std::optional<hsize_t> extent) {
-  const std::string what = fmt::format("cannot write attribute \"{}\" of {}", name, object.where);
-  const Handle space(
-      checked(extent ? H5Screate_simple(1, &*extent, nullptr) : H5Screate(H5S_SCALAR), what),
-      H5Sclose);
-  const Handle attribute(checked(H5Acreate2(object.id(), name.c_str(), file_type, space.get(),
-                                            H5P_DEFAULT, H5P_DEFAULT),
-                                 what),
-                         H5Aclose);
-  if (extent != hsize_t{0}) checked(H5Awrite(attribute.get(), memory_type, data), what);
-}
-
-Attribute as_attribute(Values values, bool is_scalar) {
-  if (auto* doubles = std::get_if<std::vector<double>>(&values)) {
-    if (is_scalar) return doubles->front();
-    return std::move(*doubles);
-  }
-  if (auto* integers = std::get_if<std::vector<std::int64_t>>(&values)) {
-    if (is_scalar) return integers->front();
-    return std::vector<double>(integers->begin(), integers->end());
-  }
-  auto& texts = std::get<std::vector<std::string>>(values);
-  if (is_scalar) return std::move(texts.front());
-  return std::move(texts);
-}
-
 }  // namespace
 
-Object open_dataset(const Object& group, const std::string& name) {
-  const std::string where =
-      fmt::format("{}{}{}", group.where, group.where.ends_with('/') ? "" : "/", name);
-  if (H5Lexists(group.id(), name.c_str(), H5P_DEFAULT) <= 0)
-    throw StorageError(fmt::format(
-        "cannot read {}: the table's column order names it, but it is not there", where));
-  const hid_t id = H5Dopen2(group.id(), name.c_str(), H5P_DEFAULT);
-  return {Handle(checked(id, fmt::format("{}: it is damaged or no dataset", cannot_read(where))),
-                 H5Dclose),
-          where};
+Values read_values(const Object& dataset, const Part& part, const RowRange& rows) {
+  const std::string where = where_of(dataset, part);
+  const ElementType element = type_of(dataset, part);
+  if (element.elements() != 1 && H5Tis_variable_str(element.type.get()) > 0)
+    throw InputError(
+        fmt::format("{} holds arrays of texts of variable length; store one text a row", where));
+  const Handle file_space = selection(dataset, part, rows);
+  const Source source{
+      .type = element.type.get(),
+      .count = static_cast<std::size_t>(rows.count),
+      .where = where,
+      .fetch = RowFetch{dataset, part, element, rows.count, file_space},
+  };
+  std::optional<Values> values = read_known(source);
+  if (!values) throw InputError(fmt::format("{} {}", where, unknown_type(element.type.get())));
+  return std::move(*values);
 }
 
-std::optional<std::vector<hsize_t>> extents(const Object& dataset) {
+std::vector<Member> members(const Object& dataset) {
   const std::string what = cannot_read(dataset.where);
-  const Handle space(checked(H5Dget_space(dataset.id()), what), H5Sclose);
-  if (H5Sget_simple_extent_type(space.get()) == H5S_NULL) return std::nullopt;
-  const int rank = checked(H5Sget_simple_extent_ndims(space.get()), what);
-  std::vector<hsize_t> result(static_cast<std::size_t>(rank));
-  checked(H5Sget_simple_extent_dims(space.get(), result.data(), nullptr), what);
+  const Handle type(checked(H5Dget_type(dataset.id()), what), H5Tclose);
+  if (H5Tget_class(type.get()) != H5T_COMPOUND) return {};
+  std::vector<Member> result;
+  const auto count = static_cast<unsigned>(checked(H5Tget_nmembers(type.get()), what));
+  for (unsigned i = 0; i < count; ++i) {
+    char* const name = H5Tget_member_name(type.get(), i);
+    if (name == nullptr) fail(what);
+    result.push_back({name, 1});
+    H5free_memory(name);
+    const Handle member(checked(H5Tget_member_type(type.get(), i), what), H5Tclose);
+    result.back().elements = element_type(member.get(), dataset.where).elements();
+  }
   return result;
 }
 
-Values read_values(const Object& dataset) {
+bool holds_numbers(const Object& dataset) {
+  const Handle type(checked(H5Dget_type(dataset.id()), cannot_read(dataset.where)), H5Tclose);
+  const H5T_class_t kind = H5Tget_class(type.get());
+  return kind == H5T_FLOAT || kind == H5T_INTEGER || kind == H5T_ENUM || kind == H5T_BITFIELD;
+}
+
+hsize_t chunk_rows(const Object& dataset, const Part& part) {
   const std::string what = cannot_read(dataset.where);
-  const Handle type(checked(H5Dget_type(dataset.id()), what), H5Tclose);
-  const Handle space(checked(H5Dget_space(dataset.id()), what), H5Sclose);
-  const Source source{.type = type.get(),
-                      .space = space.get(),
-                      .count = element_count(space.get(), dataset.where),
-                      .is_attribute = false,
-                      .id = dataset.id(),
-                      .where = dataset.where};
-  std::optional<Values> values = read_known(source);
-  if (!values)
-    throw InputError(fmt::format(
-        "{} has a type that is neither number nor text; a column of a table holds one of these",
-        dataset.where));
-  return std::move(*values);
+  const Handle creation(checked(H5Dget_create_plist(dataset.id()), what), H5Pclose);
+  if (H5Pget_layout(creation.get()) != H5D_CHUNKED) return 1;
+  std::array<hsize_t, 2> chunk{1, 1};
+  const int rank = checked(H5Pget_chunk(creation.get(), 2, chunk.data()), what);
+  return chunk[static_cast<std::size_t>(rank == 1 ? 0 : part.row_axis)];
 }
 
 Object write_values(const Object& group, const std::string& name, const Values& values) {
@@ -276,63 +239,6 @@ Object write_values(const Object& group, const std::string& name, const Values& 
   const Handle type = text_type(where);
   return create_dataset(group, name, type.get(), type.get(), pointers.data(), rows,
                         dataset_creation(nullptr, rows, where));
-}
-
-std::optional<Attribute> read_attribute(const Object& object, const std::string& name) {
-  const std::string where = fmt::format("attribute \"{}\" of {}", name, object.where);
-  const htri_t exists = checked(H5Aexists(object.id(), name.c_str()), cannot_read(where));
-  if (exists == 0) return std::nullopt;
-  const Handle attribute(
-      checked(H5Aopen(object.id(), name.c_str(), H5P_DEFAULT), cannot_read(where)), H5Aclose);
-  const Handle type(checked(H5Aget_type(attribute.get()), cannot_read(where)), H5Tclose);
-  const Handle space(checked(H5Aget_space(attribute.get()), cannot_read(where)), H5Sclose);
-  const H5S_class_t shape = H5Sget_simple_extent_type(space.get());
-  if (shape != H5S_SCALAR && H5Sget_simple_extent_ndims(space.get()) != 1) return std::nullopt;
-  const Source source{.type = type.get(),
-                      .space = space.get(),
-                      .count = element_count(space.get(), where),
-                      .is_attribute = true,
-                      .id = attribute.get(),
-                      .where = where};
-  std::optional<Values> values = read_known(source);
-  if (!values) return std::nullopt;
-  return as_attribute(std::move(*values), shape == H5S_SCALAR);
-}
-
-Attributes read_attributes(const Object& object) {
-  const std::string what = fmt::format("cannot read the attributes of {}", object.where);
-  std::vector<std::string> names;
-  hsize_t position = 0;
-  checked(H5Aiterate2(
-              object.id(), H5_INDEX_NAME, H5_ITER_INC, &position,
-              [](hid_t, const char* name, const H5A_info_t*, void* list) -> herr_t {
-                static_cast<std::vector<std::string>*>(list)->emplace_back(name);
-                return 0;
-              },
-              &names),
-          what);
-  Attributes result;
-  for (const std::string& name : names)
-    if (auto value = read_attribute(object, name)) result.emplace(name, std::move(*value));
-  return result;
-}
-
-void write_attribute(const Object& object, const std::string& name, const Attribute& value) {
-  if (const auto* number = std::get_if<double>(&value))
-    return create_attribute(object, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, number, std::nullopt);
-  if (const auto* integer = std::get_if<std::int64_t>(&value))
-    return create_attribute(object, name, H5T_STD_I64LE, H5T_NATIVE_INT64, integer, std::nullopt);
-  if (const auto* numbers = std::get_if<std::vector<double>>(&value))
-    return create_attribute(object, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, numbers->data(),
-                            numbers->size());
-  const Handle type = text_type(object.where);
-  if (const auto* text = std::get_if<std::string>(&value)) {
-    const char* pointer = text->c_str();
-    return create_attribute(object, name, type.get(), type.get(), &pointer, std::nullopt);
-  }
-  const auto& texts = std::get<std::vector<std::string>>(value);
-  const std::vector<const char*> pointers = pointers_to(texts);
-  create_attribute(object, name, type.get(), type.get(), pointers.data(), texts.size());
 }
 
 }  // namespace repose::table::hdf5

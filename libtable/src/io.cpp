@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
+#include <new>
 #include <set>
 #include <system_error>
 
 #include "checks.hpp"
-#include "hdf5.hpp"
+#include "layout.hpp"
 #include "repose/base/error.hpp"
 #include "repose/base/file.hpp"
 #include "repose/base/text.hpp"
@@ -17,10 +17,7 @@
 namespace repose::table {
 namespace {
 
-constexpr const char* kFormatAttribute = "repose_format";
-constexpr const char* kOrderAttribute = "column_order";
 constexpr const char* kVersionAttribute = "repose_version";
-constexpr const char* kTableFormat = "table 1";
 constexpr const char* kDefaultGroup = "/table";
 
 bool is_csv(const std::filesystem::path& file) {
@@ -46,126 +43,14 @@ class TemporaryFile {
   std::filesystem::path path_;
 };
 
-std::optional<std::string> text_attribute(const hdf5::Object& object, const char* name) {
-  const std::optional<Attribute> value = hdf5::read_attribute(object, name);
-  if (!value) return std::nullopt;
-  if (const auto* text = std::get_if<std::string>(&*value)) return *text;
-  throw InputError(fmt::format("attribute \"{}\" of {} is not a text", name, object.where));
-}
-
-std::optional<double> number_attribute(const hdf5::Object& object, const char* name) {
-  const std::optional<Attribute> value = hdf5::read_attribute(object, name);
-  if (!value) return std::nullopt;
-  if (const auto* number = std::get_if<double>(&*value)) return *number;
-  if (const auto* integer = std::get_if<std::int64_t>(&*value))
-    return static_cast<double>(*integer);
-  throw InputError(fmt::format("attribute \"{}\" of {} is not a number", name, object.where));
-}
-
-// ---- reading
-
-std::optional<FactorRange> read_range(const hdf5::Object& dataset) {
-  const std::optional<double> lower = number_attribute(dataset, "lower");
-  const std::optional<double> upper = number_attribute(dataset, "upper");
-  if (!lower || !upper) return std::nullopt;
-  const std::string scale = text_attribute(dataset, "scale").value_or("linear");
-  if (scale != "linear" && scale != "log")
-    throw InputError(fmt::format("attribute \"scale\" of {} is \"{}\"; allowed are linear and log",
-                                 dataset.where, scale));
-  return FactorRange{*lower, *upper, scale == "log" ? Scale::log : Scale::linear};
-}
-
-Role read_role(const hdf5::Object& dataset) try {
-  const std::optional<std::string> role = text_attribute(dataset, "role");
-  return role ? role_from_name(*role) : Role::none;
-} catch (const InputError& error) {
-  throw InputError(fmt::format("{}: {}", dataset.where, error.what()));
-}
-
-Column read_column(const hdf5::Object& group, const std::string& name) {
-  const hdf5::Object dataset = hdf5::open_dataset(group, name);
-  const auto extents = hdf5::extents(dataset);
-  if (!extents || extents->size() != 1)
-    throw InputError(fmt::format("{} has {} dimensions; a column of a table has one", dataset.where,
-                                 extents ? extents->size() : 0));
-  return {.name = name,
-          .unit = text_attribute(dataset, "unit").value_or("1"),
-          .role = read_role(dataset),
-          .range = read_range(dataset),
-          .values = hdf5::read_values(dataset)};
-}
-
-/// Datasets that are columns if nothing says which: all but scalars.
-std::vector<std::string> column_candidates(const hdf5::Object& group) {
-  std::vector<std::string> names;
-  for (const hdf5::Child& child : hdf5::children(group)) {
-    if (child.kind != hdf5::ChildKind::dataset) continue;
-    const auto extents = hdf5::extents(hdf5::open_dataset(group, child.name));
-    if (extents && !extents->empty()) names.push_back(child.name);
-  }
-  return names;
-}
-
-std::vector<std::string> column_order(const hdf5::Object& group) {
-  const std::optional<Attribute> order = hdf5::read_attribute(group, kOrderAttribute);
-  if (!order) return column_candidates(group);
-  if (const auto* names = std::get_if<std::vector<std::string>>(&*order)) return *names;
-  // An array of no texts may come back as an array of numbers from other writers.
-  if (const auto* numbers = std::get_if<std::vector<double>>(&*order); numbers && numbers->empty())
-    return {};
-  throw InputError(
-      fmt::format("attribute \"{}\" of {} is not an array of texts", kOrderAttribute, group.where));
-}
-
-bool is_table(const hdf5::Object& group) {
-  const std::optional<std::string> format = text_attribute(group, kFormatAttribute);
-  if (format) return format->starts_with("table ");
-  return !column_candidates(group).empty();
-}
-
-std::vector<std::string> tables_of(const hdf5::Object& file) {
-  std::vector<std::string> result;
-  for (const std::string& path : hdf5::all_groups(file))
-    if (is_table(hdf5::open_group(file, path))) result.push_back(path);
-  return result;
-}
-
-std::string only_table_of(const hdf5::Object& file) {
-  const std::vector<std::string> tables = tables_of(file);
-  if (tables.size() == 1) return tables.front();
-  if (tables.empty())
-    throw InputError(fmt::format("{} holds no table: no group with 1-D datasets", file.where));
-  throw InputError(fmt::format("{} holds {} tables, {}; choose one, e.g. {}:{}", file.where,
-                               tables.size(), listed(tables), file.where, tables.front()));
-}
-
-void check_format(const hdf5::Object& group) {
-  const std::string format = text_attribute(group, kFormatAttribute).value_or(kTableFormat);
-  if (format == kTableFormat) return;
-  throw InputError(fmt::format(
-      "{} has the format \"{}\"; this version of repose reads \"{}\" as a table{}", group.where,
-      format, kTableFormat, format.starts_with("table ") ? "; use a newer one" : ""));
-}
-
-Table read_hdf5_table(const Location& location) {
+Table read_hdf5_table(const Location& location) try {
   const hdf5::Session session;
   const hdf5::Object file = hdf5::open_file(location.file);
-  const std::string path = location.group.empty() ? only_table_of(file) : location.group;
-  const hdf5::Object group = hdf5::open_group(file, path);
-  check_format(group);
-  const std::vector<std::string> names = column_order(group);
-  if (names.empty() && !hdf5::read_attribute(group, kFormatAttribute))
-    throw InputError(fmt::format("{} is not a table: it holds no 1-D datasets", group.where));
-  Table table;
-  try {
-    for (const std::string& name : names) table.add(read_column(group, name));
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("cannot read {} as a table: {}", group.where, error.what()));
-  }
-  table.attributes = hdf5::read_attributes(group);
-  table.attributes.erase(kFormatAttribute);
-  table.attributes.erase(kOrderAttribute);
-  return table;
+  const Layout layout = find_table(file, location.group);
+  return read_all(layout);
+} catch (const std::bad_alloc&) {
+  throw StorageError(
+      fmt::format("cannot read {}: its values do not fit into memory", location_text(location)));
 }
 
 // ---- writing
@@ -295,7 +180,7 @@ void write_tables(const std::filesystem::path& file,
 
 std::vector<std::string> list_tables(const std::filesystem::path& file) {
   const hdf5::Session session;
-  return tables_of(hdf5::open_file(file));
+  return table_paths(hdf5::open_file(file));
 }
 
 Attributes read_attributes(const Location& location) {

@@ -112,7 +112,7 @@ TEST_F(H5py, WritesThingsThatAreRefusedByName) {
   python(R"(
 with h5py.File(path, 'w') as f:
     f['long/a'], f['long/b'] = np.arange(3), np.arange(4)
-    f['matrix/a'] = np.zeros((3, 2))
+    f['cube/a'] = np.zeros((3, 2, 2)); f['cube/b'] = np.zeros(3)
     f['complex/a'] = np.zeros(3, dtype=complex)
     f['infinite/a'] = np.array([0.0, -np.inf])
     f['wide/a'] = np.array([0, 2**63], dtype='u8')
@@ -128,7 +128,7 @@ with h5py.File(path, 'w') as f:
 )");
   EXPECT_NE(refusal("/long").find("column \"b\" has 4 rows, but the table has 3"),
             std::string::npos);
-  EXPECT_NE(refusal("/matrix").find(":/matrix/a has 2 dimensions"), std::string::npos);
+  EXPECT_NE(refusal("/cube").find(":/cube/a has 3 dimensions"), std::string::npos);
   EXPECT_NE(refusal("/complex").find(":/complex/a has a type that is neither"), std::string::npos);
   EXPECT_NE(refusal("/infinite").find("row 2 of column \"a\" is infinite"), std::string::npos);
   EXPECT_NE(refusal("/wide").find("holds 9223372036854775808 in row 2"), std::string::npos);

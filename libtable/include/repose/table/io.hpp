@@ -20,9 +20,9 @@ namespace repose::table {
 /// A table in a file.
 struct Location {
   std::filesystem::path file;
-  /// Absolute path of the HDF5 group, e.g. "/design". Empty: the only table of the file when
-  /// reading,
-  /// "/table" when writing. Always empty for CSV.
+  /// Absolute path of the HDF5 group, or when reading dataset, that holds the table, e.g.
+  /// "/design". Empty: the only table of the file when reading, "/table" when writing. Always
+  /// empty for CSV.
   std::string group;
 };
 
@@ -35,12 +35,22 @@ std::string location_text(const Location& location);
 /// accepted.
 enum class Missing { refuse, allow };
 
-/// Reads a table; a file named *.csv is CSV, any other HDF5. An HDF5 group need not be written by
-/// repose: its 1-D datasets are the columns, in the order of `column_order` if present, else of
-/// creation if recorded, else of their names; scalars and groups inside it are ignored.
-/// Throws StorageError if the file or the group cannot be read or is damaged, InputError if columns
+/// Reads a table; a file named *.csv is CSV, any other HDF5, which repose need not have written:
+/// - a group: its 1-D datasets are the columns, in the order of `column_order` if present, else of
+///   creation if recorded, else of their names; a 2-D dataset x beside them is the columns x_1,
+///   x_2,
+///   ...; scalars and groups inside it are ignored;
+/// - a compound dataset (PyTables, pandas with format="table"): its members are the columns, an
+///   array member x is x_1, x_2, ... or what pandas called them; pandas' index has the role id;
+/// - a 2-D dataset of numbers: named by its attribute `column_names`, `columns` or `names`, else
+/// c1,
+///   c2, ...;
+/// - MATLAB v7.3: an array of numbers, as above but transposed as MATLAB stores it, and a struct of
+///   arrays, as a group; objects (`table`, `string`) only MATLAB can read.
+/// A group that holds nothing but one such dataset stands for it.
+/// Throws StorageError if the file or the path cannot be read or is damaged, InputError if columns
 /// differ in length, have a type that is neither number nor text or hold values that are not
-/// allowed, and if no group is given but the file has several tables.
+/// allowed, and if no path is given but the file has several tables.
 Table read_table(const Location& location, Missing missing = Missing::refuse);
 
 /// Writes one table, replacing the whole file; *.csv is CSV, any other name HDF5. Throws
@@ -54,7 +64,7 @@ void write_tables(const std::filesystem::path& file,
                   const std::vector<std::pair<std::string, Table>>& groups,
                   const Attributes& file_attributes = {});
 
-/// The groups of an HDF5 file that read_table() takes for tables, by name.
+/// The groups and datasets of an HDF5 file that read_table() takes for tables, by name.
 std::vector<std::string> list_tables(const std::filesystem::path& file);
 
 /// Attributes of any HDF5 group, "/" included (an empty group means "/"), all that have a type of
