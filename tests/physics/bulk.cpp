@@ -124,7 +124,7 @@ std::vector<Check> beverloo(Extent extent) {
   std::vector<Discharge> slots;
   for (double opening : full ? std::vector{5.0, 6.0, 7.0, 8.0, 9.0} : std::vector{5.0, 6.5, 8.0})
     slots.push_back(
-        discharge(Outlet::slot, opening * kDiameter, full ? 0.20 : 0.10, 0.06, full ? 0.25 : 0.12));
+        discharge(Outlet::slot, opening * kDiameter, full ? 0.15 : 0.10, 0.06, full ? 0.20 : 0.12));
   const Beverloo slot = fit(slots, 1.5, 4.0 * kDiameter);
   checks.push_back(
       {"slot: exponent of the flow over D − 1.4 d", slot.exponent, 1.5, full ? 0.1 : 0.2});
@@ -134,7 +134,7 @@ std::vector<Check> beverloo(Extent extent) {
   if (!full) return checks;
   std::vector<Discharge> circles;
   for (double opening : {6.0, 7.0, 8.0, 9.0, 10.0})
-    circles.push_back(discharge(Outlet::circle, opening * kDiameter, 0.12, 0.06, 0.25));
+    circles.push_back(discharge(Outlet::circle, opening * kDiameter, 0.09, 0.06, 0.15));
   const Beverloo circle = fit(circles, 2.5, 1.0);
   checks.push_back({"flat circular orifice, five outlets: exponent of the flow over D − 1.4 d",
                     circle.exponent, 2.5, 0.1});
