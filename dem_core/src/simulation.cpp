@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "geometry/cross.hpp"
 #include "repose/base/error.hpp"
+#include "repose/dem/cross.hpp"
 #include "simulation_state.hpp"
 
 namespace repose::dem {

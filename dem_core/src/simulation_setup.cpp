@@ -53,7 +53,8 @@ std::int32_t Simulation::State::check_and_add(const scene::Particle& particle) {
     throw InputError(name + "radius_m = " + shortest(radius) + ": must be above 0");
   if (!box.contains(particle.position))
     throw InputError(name + "position " + place_text(particle.position) + " is outside the domain");
-  const double largest = radius * ClumpForms::largest_sphere(forms.find(particle.clump));
+  const scene::ClumpForm* form = forms.find(particle.clump);
+  const double largest = form == nullptr ? radius : radius * form->bounding_radius;
   for (int k = 0; k < 3; ++k)
     if (box.periodic[k] && box.length[k] < 4.0 * largest)
       throw InputError(name + "diameter " + shortest(2.0 * largest) + " m: a period of " +
@@ -99,6 +100,8 @@ void Simulation::State::prepare() {
     throw InputError("at the start " + overlap_text(deepest) +
                      "; move them apart, or the particle is larger than its container");
   kick_all(-0.5 * dt);
+  walls.clear_loads();  // the forces at the start belong to no step
+  wall_load_steps = 0;
   initial_j = stored.stored_j();
   for (const Body& body : bodies()) initial_j += mechanical_j(body);
 }
@@ -128,9 +131,9 @@ double Simulation::State::smallest_rayleigh_time_s() const {
         smallest, rayleigh_time_s(scene.materials[static_cast<std::size_t>(spheres.material[i])],
                                   spheres.motion[i].radius));
   for (const RainSource& source : rains)
-    for (const scene::Grains& kind : source.rain().mixture) {
-      const auto m = static_cast<std::size_t>(scene::material_index(scene, kind.material));
-      smallest = std::min(smallest, rayleigh_time_s(scene.materials[m], source.smallest_radius()));
+    for (const RainSource::Smallest& of_kind : source.smallest_of_kinds()) {
+      const auto m = static_cast<std::size_t>(scene::material_index(scene, of_kind.material));
+      smallest = std::min(smallest, rayleigh_time_s(scene.materials[m], of_kind.radius));
     }
   return smallest;
 }

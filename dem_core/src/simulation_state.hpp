@@ -41,6 +41,7 @@ struct Simulation::State {
   scene::Ledger ledger;
   ContactEnergies stored;        // of the last step, if the ledger of energy is kept
   scene::EnergyRow counted;      // what is summed over steps: dissipation, insertion, removal
+  Vec3 wrapped_kg_m{0, 0, 0};    // mass times the way of all that crossed a periodic side
   double wall_work_j = 0.0;      // of loads already taken
   double initial_j = 0.0;        // kinetic, potential and stored at the start
   std::int32_t next_sphere = 0;  // ids
@@ -60,6 +61,7 @@ struct Simulation::State {
   double smallest_radius() const;
   void check_speed(double step) const;
   void check_wall_speed() const;
+  void check_displacement(double moved) const;
   void one_step();
   void rebuild_lists();
   void compute_forces(double history_dt);

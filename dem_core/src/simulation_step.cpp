@@ -62,7 +62,8 @@ void Simulation::State::let_rain_fall() {
     if (since < 0.0 || !source.is_due(since)) continue;
     double largest = source.largest_radius();
     for (const Motion& sphere : spheres.motion) largest = std::max(largest, sphere.radius);
-    OccupiedSpace occupied(box, source.rain().lower, source.rain().upper, 2.0 * largest);
+    OccupiedSpace occupied(box, source.rain().lower, source.rain().upper, 2.0 * largest,
+                           spheres.size());
     for (const Motion& sphere : spheres.motion) occupied.add(sphere.x, sphere.radius);
     const std::vector<scene::Particle> fallen = source.fall(since, box, clear_of_walls(), occupied);
     for (scene::Particle particle : fallen) {
@@ -124,12 +125,26 @@ void Simulation::State::one_step() {
   if (of_spheres.out >= 0) lost(static_cast<std::size_t>(of_spheres.out));
   if (of_clumps.out >= 0) lost(static_cast<std::size_t>(of_clumps.out));
   if (!sinks.empty()) remove_what_is_in_sinks();
-  walls.advance(time_s());
+  wrapped_kg_m += of_spheres.moved_kg_m + of_clumps.moved_kg_m;
+  walls.advance(time_s(), dt);
   check_wall_speed();
   const double moved = std::sqrt(std::max(of_spheres.moved2, of_clumps.moved2));
+  check_displacement(moved);
   if (moved > 0.5 * skin || moved + walls.displacement() > skin) rebuild_lists();
   if (!rains.empty() && steps % kStepsBetweenRain == 0) let_rain_fall();
   compute_forces(dt);
+}
+
+/// Lists are rebuilt before a sphere has moved by half the skin, so that more than that and a
+/// radius can only come from one step in which it jumped.
+void Simulation::State::check_displacement(double moved) const {
+  if (moved <= 0.5 * skin + skin / options.skin_radii) return;
+  for (std::size_t i = 0; i < spheres.size(); ++i)
+    if (box.nearest_image(spheres.motion[i].x - spheres.x_listed[i]).norm() >= moved)
+      throw SimulationError(name_of(i) + " at " + place_text(spheres.motion[i].x) +
+                            " moved by more than the smallest radius in one time step, " +
+                            speed_and_time(i) +
+                            "; lower the time step (time_step_rayleigh_fraction) or the speed");
 }
 
 /// A wall that jumped over the centre of a sphere would push it on.
@@ -154,8 +169,13 @@ std::string Simulation::State::speed_and_time(std::size_t i) const {
 }
 
 void Simulation::State::lost(std::size_t i) const {
-  const Vec3& x = spheres.motion[i].x;
-  const std::string name = name_of(i);
+  Vec3 x = spheres.motion[i].x;
+  std::string name = name_of(i);
+  for (const Clump& clump : clumps.all)
+    if (spheres.member[i] >= 0 && clump.body == spheres.body[i]) {
+      x = clump.x;  // a clump is where its centre is
+      name = "clump " + std::to_string(clump.body);
+    }
   if (!x.allFinite())
     throw SimulationError(name + " has the position " + place_text(x) + " at time " +
                           shortest(static_cast<double>(steps) * dt) +

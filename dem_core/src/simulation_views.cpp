@@ -1,5 +1,6 @@
 // What a simulation looks like at one time: bodies, energy, contacts. Nothing changes here.
 #include <algorithm>
+#include <utility>
 
 #include "particles/rotation.hpp"
 #include "repose/base/error.hpp"
@@ -65,6 +66,7 @@ void Simulation::State::count_dissipation(const ContactEnergies& now, double spa
   counted.dissipated_sliding_j += now.sliding_w * span;
   counted.dissipated_rolling_j += now.rolling_w * span;
   counted.stiffness_change_j += now.stiffness_change_w * span;
+  counted.released_j += pool.take_released_j() + std::exchange(wall_contacts.released_j, 0.0);
 }
 
 scene::EnergyRow Simulation::energy() {
@@ -79,6 +81,7 @@ scene::EnergyRow Simulation::energy() {
     row.kinetic_rotational_j += body.kinetic_energy_j() - translational;
     row.gravitational_j -= body.mass_kg * state_->scene.gravity_m_s2.dot(body.position);
   }
+  row.gravitational_j += state_->scene.gravity_m_s2.dot(state_->wrapped_kg_m);
   row.elastic_normal_j = state_->stored.normal_j;
   row.elastic_tangential_j = state_->stored.tangential_j;
   row.elastic_rolling_j = state_->stored.rolling_j;
@@ -88,7 +91,7 @@ scene::EnergyRow Simulation::energy() {
                        row.gravitational_j + state_->stored.stored_j();
   const double lost = row.dissipated_normal_j + row.dissipated_tangential_j +
                       row.dissipated_sliding_j + row.dissipated_rolling_j + row.stiffness_change_j +
-                      row.removed_j;
+                      row.released_j + row.removed_j;
   row.error_j = there + lost - state_->initial_j - row.inserted_j - row.wall_work_j;
   return row;
 }
@@ -140,7 +143,8 @@ std::vector<scene::PairContacts> Simulation::contact_statistics() {
     of_pair(s.spheres.material[i], s.spheres.material[j])
         .add(pairs[p], std::min(s.spheres.motion[i].radius, s.spheres.motion[j].radius));
   }
-  const std::vector<ContactState> walls = wall_states(s.laws, s.walls, s.spheres, s.wall_contacts);
+  const std::vector<ContactState> walls =
+      wall_states(s.laws, s.dt, s.walls, s.spheres, s.wall_contacts);
   for (std::size_t c = 0; c < walls.size(); ++c) {
     const WallContact& contact = s.wall_contacts.all[c];
     const auto i = static_cast<std::size_t>(contact.sphere);

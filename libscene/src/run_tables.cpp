@@ -34,7 +34,7 @@ struct EnergyTerm {
   const char* name;
   double EnergyRow::*value;
 };
-constexpr std::array<EnergyTerm, 15> kEnergyTerms = {{
+constexpr std::array<EnergyTerm, 16> kEnergyTerms = {{
     {"kinetic_translational_j", &EnergyRow::kinetic_translational_j},
     {"kinetic_rotational_j", &EnergyRow::kinetic_rotational_j},
     {"gravitational_j", &EnergyRow::gravitational_j},
@@ -46,6 +46,7 @@ constexpr std::array<EnergyTerm, 15> kEnergyTerms = {{
     {"dissipated_sliding_j", &EnergyRow::dissipated_sliding_j},
     {"dissipated_rolling_j", &EnergyRow::dissipated_rolling_j},
     {"stiffness_change_j", &EnergyRow::stiffness_change_j},
+    {"released_j", &EnergyRow::released_j},
     {"wall_work_j", &EnergyRow::wall_work_j},
     {"inserted_j", &EnergyRow::inserted_j},
     {"removed_j", &EnergyRow::removed_j},

@@ -207,5 +207,34 @@ TEST(ContactState, SaysWhetherFrictionIsMobilisedAndChangesNothing) {
   }
 }
 
+TEST(History, TurnsWithAContactThatSpinsAboutItsNormal) {
+  // Two bodies that spin together about their line of centres, wound up in sliding and rolling: in
+  // a quarter of a turn both springs turn with them, and keep their length.
+  const PairLaw law = make_pair_law({"a", 2500.0, 1e8, 0.25}, {"a", 2500.0, 1e8, 0.25},
+                                    {"a", "a", 0.5, 10.0, 10.0, 0.3}, {});
+  const ContactBodies bodies = sphere_sphere(0.01, 0.01, 0.01, 0.01);
+  const Vec3 normal = Vec3(1, 2, -2) / 3.0;
+  const Vec3 across = Vec3(2, 1, 2) / 3.0;  // normal x across is the third direction
+  ContactKinematics now;
+  now.normal = now.normal_half = normal;
+  now.overlap = 1e-4;
+  now.inv_distance = 1.0 / 0.02;
+  now.velocity.setZero();
+  now.spin.setZero();
+  now.turning = 50.0;
+  const int steps = 1000;
+  const double dt = 0.5 * std::numbers::pi / now.turning / steps;
+  ContactHistory history{1e-6 * across, 1e-7 * across};
+  for (int k = 0; k < steps; ++k) hertz_mindlin({}, law, bodies, now, dt, history);
+  // The angle of a step is off by its fifth power over 120, the length by its fourth over 24.
+  EXPECT_LT((history.slip / 1e-6 - cross(normal, across)).norm(), 1e-9);
+  EXPECT_LT((history.rolling / 1e-7 - cross(normal, across)).norm(), 1e-9);
+  scene::ContactModel liggghts;
+  liggghts.compatibility = scene::Compatibility::liggghts;
+  history = {1e-6 * across, 1e-7 * across};
+  hertz_mindlin(liggghts, law, bodies, now, dt, history);
+  EXPECT_LT((history.slip / 1e-6 - across).norm(), 1e-12);
+}
+
 }  // namespace
 }  // namespace repose::dem

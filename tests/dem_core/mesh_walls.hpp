@@ -1,7 +1,6 @@
 // Walls from triangles made in code, for tests of the engine.
 #pragma once
 
-#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <filesystem>

@@ -83,14 +83,14 @@ TEST(SettledBed, ComesToRestWithoutCreepOrNoise) {
   Simulation sim(trap_door());
   while (sim.time_s() < 0.1) sim.step();
   const double falling = sim.kinetic_energy_j();
-  while (sim.time_s() < 1.8) sim.step();
+  while (sim.time_s() < 2.6) sim.step();  // what is left falls by a hundred in 0.4 s
   EXPECT_LT(sim.kinetic_energy_j(), 1e-5 * falling);
   EXPECT_GT(sim.contacts(), sim.size());
   for (const Sphere& s : sim.spheres()) {
-    EXPECT_LT(s.velocity.norm(), 1e-12);
+    EXPECT_LT(s.velocity.norm(), 1e-14);
     // Nothing resists twisting about a vertical contact normal: a sphere that only the floor
     // touches may go on spinning about z.
-    EXPECT_LT(Vec3(s.angular_velocity.x(), s.angular_velocity.y(), 0.0).norm() * s.radius_m, 1e-12);
+    EXPECT_LT(Vec3(s.angular_velocity.x(), s.angular_velocity.y(), 0.0).norm() * s.radius_m, 1e-14);
   }
 }
 

@@ -32,7 +32,7 @@ class TwoBodies {
 
   ContactKinematics kinematics() const {
     const Vec3 offset = b.x - a.x;
-    return at_wall ? wall_kinematics(-Vec3::UnitZ(), a.radius - a.x.z(), a, wa.w, Twist{})
+    return at_wall ? wall_kinematics(dt, -Vec3::UnitZ(), a.radius - a.x.z(), a, wa.w, Twist{})
                    : pair_kinematics(model, dt, offset, offset.norm(), a, b, wa.w, wb.w);
   }
   ContactBodies bodies() const {

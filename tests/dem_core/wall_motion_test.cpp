@@ -117,7 +117,7 @@ double displaced(const scene::Wall& wall, decltype(scene::Motion::path) path, do
   c.walls = {wall};
   c.motions = {{.walls = {wall.name}, .path = std::move(path)}};
   Walls walls(c);
-  walls.advance(t);
+  walls.advance(t, 0.0);
   return walls.displacement();
 }
 

@@ -62,6 +62,25 @@ const std::vector<Group>& all_groups() {
        "the "
        "wedge, and it sticks for ever.",
        size_ratio},
+      {"clumps", "Clumps",
+       "Second moments of two overlapping spheres in closed form, five distances; free precession "
+       "of "
+       "a symmetric top, whose axis turns about L with |L|/A; a body that tumbles about its "
+       "unstable "
+       "axis; two clumps that collide.",
+       clumps},
+      {"meshes", "Triangles against primitives",
+       "A sphere of 10 mm slips and rolls over triangles as over what they stand for. Curved "
+       "surfaces "
+       "of radius 0.1 m: the sagitta of a strip goes with the square of its width, and with it "
+       "both "
+       "errors; what the sphere loses in the small impacts at hollow edges scatters about that, so "
+       "that ten is asked of the sixteen that two halvings give.",
+       meshes},
+      {"drums", "Torque, power and momentum of a turning drum",
+       "200 spheres in a cylinder that turns with 4 rad/s. Torques are summed over ten steps by "
+       "trapezoids, which limits the balance to the square of that span over a contact's.",
+       drums},
       {"beverloo", "Discharge: Beverloo's law",
        "d = 4 mm ± 10 %, flat floor, periodic sides of 25 d. W = C ρ_b √g (D − k d)^2.5 with C "
        "from "

@@ -47,6 +47,9 @@ std::vector<Check> angular_momentum(Extent);
 std::vector<Check> elastic_gas(Extent);
 std::vector<Check> time_step_order(Extent);
 std::vector<Check> size_ratio(Extent);
+std::vector<Check> clumps(Extent);
+std::vector<Check> meshes(Extent);
+std::vector<Check> drums(Extent);
 std::vector<Check> beverloo(Extent);
 std::vector<Check> angle_of_repose(Extent);
 

@@ -40,6 +40,15 @@ TEST(Physics, ErrorsFallWithTheTimeStepAtTheirOrder) {
 TEST(Physics, ASmallGrainIsNotTrappedBetweenLargeOnes) {
   expect_all(size_ratio(Extent::quick));
 }
+TEST(Physics, ClumpsMatchTheirClosedForms) {
+  expect_all(clumps(Extent::quick));
+}
+TEST(Physics, TrianglesActAsThePrimitivesTheyStandFor) {
+  expect_all(meshes(Extent::quick));
+}
+TEST(Physics, ATurningDrumBalances) {
+  expect_all(drums(Extent::quick));
+}
 TEST(Physics, DischargeFollowsBeverloo) {
   expect_all(beverloo(Extent::quick));
 }

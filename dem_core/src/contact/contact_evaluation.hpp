@@ -33,20 +33,24 @@ namespace repose::dem {
   const Vec3 surface =
       (i.radius - 0.5 * overlap_half) * w_i + (j.radius - 0.5 * overlap_half) * w_j;
   now.velocity += cross(surface, now.normal_half);
+  now.turning = 0.5 * (w_i + w_j).dot(now.normal_half);
   return now;
 }
 
-/// Kinematics of a sphere at a wall that moves with `twist`. A wall is flat or large, so that its
-/// normal is taken at t alone.
-inline ContactKinematics wall_kinematics(const Vec3& normal, double overlap, const Motion& sphere,
-                                         const Vec3& w, const Twist& twist) {
+/// Kinematics of a sphere at a wall that moves with `twist` at t - dt/2: both velocities are taken
+/// at that time and at the point of contact of that time, so that a sphere which the wall carries
+/// along does not slip. A wall is flat or large, so that its normal is taken at t alone.
+inline ContactKinematics wall_kinematics(double dt, const Vec3& normal, double overlap,
+                                         const Motion& sphere, const Vec3& w, const Twist& twist) {
   const double arm = sphere.radius - 0.5 * overlap;
+  const Vec3 point = sphere.x - (0.5 * dt) * sphere.v + arm * normal;
   ContactKinematics now;
   now.normal = normal;
   now.normal_half = normal;
   now.overlap = overlap;
-  now.velocity = sphere.v - twist.at(sphere.x + arm * normal) + arm * cross(w, normal);
+  now.velocity = sphere.v - twist.at(point) + arm * cross(w, normal);
   now.spin = w - twist.spin;
+  now.turning = twist.spin.dot(normal);
   return now;
 }
 

@@ -52,7 +52,7 @@ void add_wall_forces(const LawTable& laws, double dt, const WallList& list, Wall
                      ContactEnergies* energies = nullptr);
 
 /// The contacts with walls, in order, as they are now; nothing changes.
-std::vector<ContactState> wall_states(const LawTable& laws, const Walls& walls,
+std::vector<ContactState> wall_states(const LawTable& laws, double dt, const Walls& walls,
                                       const Spheres& spheres, const WallContacts& contacts);
 
 }  // namespace repose::dem

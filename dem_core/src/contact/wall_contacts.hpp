@@ -23,11 +23,16 @@ struct WallContact {
 struct WallContacts {
   std::vector<WallContact> all;
   std::vector<WallContact> before;
+  double released_j = 0.0;  ///< what ended contacts still stored, since it was last taken
 
   /// After spheres were sorted or removed: new_index of a sphere, -1 if it is gone.
   void follow_order(const std::vector<std::int32_t>& new_index);
   /// Ends those with one wall.
   void end_with(std::int32_t wall);
+
+ private:
+  template <class Predicate>
+  void erase_ended(Predicate&& has_ended);
 };
 
 }  // namespace repose::dem

@@ -67,8 +67,8 @@ void add_wall_forces(const LawTable& laws, double dt, const WallList& list, Wall
       contacts.all.push_back(
           {id, push.patch, push.wall, push.normal, push.overlap, continued(push, before, sphere)});
       Contact& contact = contacts.all.back().contact;
-      const ContactKinematics now =
-          wall_kinematics(push.normal, push.overlap, sphere, spheres.spin[i].w, wall.now.twist);
+      const ContactKinematics now = wall_kinematics(dt, push.normal, push.overlap, sphere,
+                                                    spheres.spin[i].w, wall.half_twist);
       const PairLaw& law = laws.at(spheres.material[i], wall.material);
       NoEnergies none;
       const ContactForce f = energies != nullptr
@@ -81,9 +81,11 @@ void add_wall_forces(const LawTable& laws, double dt, const WallList& list, Wall
                   walls.load(static_cast<std::size_t>(push.wall)));
     }
   }
+  for (const WallContact& ended : contacts.before)
+    if (ended.patch != kTaken) contacts.released_j += ended.contact.stored_j;
 }
 
-std::vector<ContactState> wall_states(const LawTable& laws, const Walls& walls,
+std::vector<ContactState> wall_states(const LawTable& laws, double dt, const Walls& walls,
                                       const Spheres& spheres, const WallContacts& contacts) {
   std::vector<ContactState> states;
   states.reserve(contacts.all.size());
@@ -92,8 +94,8 @@ std::vector<ContactState> wall_states(const LawTable& laws, const Walls& walls,
     const WallBody& wall = walls.at(static_cast<std::size_t>(contact.wall));
     states.push_back(contact_state(
         laws.model(), laws.at(spheres.material[i], wall.material), contact.contact.bodies,
-        wall_kinematics(contact.normal, contact.overlap, spheres.motion[i], spheres.spin[i].w,
-                        wall.now.twist),
+        wall_kinematics(dt, contact.normal, contact.overlap, spheres.motion[i], spheres.spin[i].w,
+                        wall.half_twist),
         contact.contact.history));
   }
   return states;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "geometry/cross.hpp"
+#include "repose/dem/cross.hpp"
 
 namespace repose::dem {
 

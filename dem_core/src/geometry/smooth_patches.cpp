@@ -4,7 +4,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "geometry/cross.hpp"
+#include "repose/dem/cross.hpp"
 
 namespace repose::dem {
 namespace {

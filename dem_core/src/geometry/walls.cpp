@@ -129,7 +129,7 @@ Walls::Walls(const scene::Case& scene) {
     bodies_.push_back(std::move(body));
   }
   number_patches();
-  advance(0.0);
+  advance(0.0, 0.0);
   mark_listed();
   clear_loads();
 }
@@ -162,9 +162,12 @@ void Walls::begin_stage(const std::string& name, double time_s) {
   for (WallBody& body : bodies_) body.motion.begin_stage(name, time_s);
 }
 
-void Walls::advance(double time_s) {
-  for (WallBody& body : bodies_)
-    if (!body.motion.empty()) body.now = body.motion.at(time_s);
+void Walls::advance(double time_s, double dt) {
+  for (WallBody& body : bodies_) {
+    if (body.motion.empty()) continue;
+    body.now = body.motion.at(time_s);
+    body.half_twist = body.motion.at(time_s - 0.5 * dt).twist;
+  }
 }
 
 double Walls::displacement() const {

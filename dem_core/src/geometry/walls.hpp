@@ -19,7 +19,8 @@ struct WallBody {
   FacetTree tree;
   WallMotion motion;
   WallState now{};
-  Pose listed{};  ///< when the neighbor lists were built
+  Twist half_twist{};  ///< half a step before `now`, the time of the velocities of spheres
+  Pose listed{};       ///< when the neighbor lists were built
 };
 
 /// Sums over steps of what particles do to a wall.
@@ -53,8 +54,8 @@ class Walls {
   void open(std::size_t wall) { bodies_[wall].present = false; }
   /// Motions of this stage begin.
   void begin_stage(const std::string& name, double time_s);
-  /// Brings all walls to where they are at this time.
-  void advance(double time_s);
+  /// Brings all walls to where they are at this time; dt is the step that ends then.
+  void advance(double time_s, double dt);
 
   /// How far any point of a wall that is present is at most from where it was at the last
   /// mark_listed(); 0 for a surface that moves in itself: a plane along itself, a surface of

@@ -63,7 +63,17 @@ std::vector<scene::Particle> place_fill(const scene::Case& scene, const Box& box
   for (const scene::Particle& particle : present)
     cell = std::max(
         cell, 2.0 * particle.radius_m * ClumpForms::largest_sphere(forms.find(particle.clump)));
-  OccupiedSpace occupied(box, fill.lower, fill.upper, cell);
+  std::vector<std::vector<Grain>> grains_of;
+  std::size_t count = present.size();
+  for (std::size_t l = 0; l < fill.layers.size(); ++l) {
+    const scene::Layer& layer = fill.layers[l];
+    RandomStream sizes(scene.seed, 2 * l);
+    grains_of.push_back(draw_mixture(scene, layer.mixture, layer.mass_kg, sizes));
+    std::stable_sort(grains_of[l].begin(), grains_of[l].end(),
+                     [](const Grain& a, const Grain& b) { return a.diameter > b.diameter; });
+    count += grains_of[l].size();
+  }
+  OccupiedSpace occupied(box, fill.lower, fill.upper, cell, count);
   for (const scene::Particle& particle : present)
     occupy(particle, forms.find(particle.clump), box, occupied);
 
@@ -72,10 +82,7 @@ std::vector<scene::Particle> place_fill(const scene::Case& scene, const Box& box
   slab.upper.z() = fill.lower.z() + 0.5 * largest.particle;
   for (std::size_t l = 0; l < fill.layers.size(); ++l) {
     const scene::Layer& layer = fill.layers[l];
-    RandomStream sizes(scene.seed, 2 * l);
-    std::vector<Grain> grains = draw_mixture(scene, layer.mixture, layer.mass_kg, sizes);
-    std::stable_sort(grains.begin(), grains.end(),
-                     [](const Grain& a, const Grain& b) { return a.diameter > b.diameter; });
+    const std::vector<Grain>& grains = grains_of[l];
     const Vec3 extent = fill.upper - fill.lower;
     slab.lower.z() = slab.upper.z();
     for (const scene::Grains& kind : layer.mixture) {

@@ -5,13 +5,23 @@
 
 namespace repose::dem {
 
-OccupiedSpace::OccupiedSpace(const Box& box, const Vec3& lower, const Vec3& upper, double width)
+OccupiedSpace::OccupiedSpace(const Box& box, const Vec3& lower, const Vec3& upper, double width,
+                             std::size_t spheres)
     : box_(box) {
+  Vec3 extent;
   for (int k = 0; k < 3; ++k) {
     origin_[k] = box.periodic[k] ? box.lower[k] : lower[k];
-    const double extent = (box.periodic[k] ? box.upper[k] : upper[k]) - origin_[k];
-    count_[k] = std::max(1, static_cast<int>(std::min(extent / width, 400.0)));
-    width_[k] = extent / count_[k];
+    extent[k] = (box.periodic[k] ? box.upper[k] : upper[k]) - origin_[k];
+  }
+  const double most_cells = 4096.0 + 16.0 * static_cast<double>(spheres);
+  Vec3 count;
+  for (;; width *= 1.26) {  // half as many cells
+    for (int k = 0; k < 3; ++k) count[k] = std::max(1.0, std::floor(extent[k] / width));
+    if (count.prod() <= most_cells) break;
+  }
+  for (int k = 0; k < 3; ++k) {
+    count_[k] = static_cast<int>(count[k]);
+    width_[k] = extent[k] / count[k];
   }
   cells_.resize(static_cast<std::size_t>(count_[0]) * static_cast<std::size_t>(count_[1]) *
                 static_cast<std::size_t>(count_[2]));

@@ -10,10 +10,12 @@ namespace repose::dem {
 
 /// Covers the column from `lower` to `upper` (the whole period where the box is periodic) with
 /// cells at least `width` wide; width must be the largest diameter that will ever be added or asked
-/// for. Spheres outside the column count too.
+/// for. Cells are wider if they would be many more than `spheres`. Spheres outside the column count
+/// too.
 class OccupiedSpace {
  public:
-  OccupiedSpace(const Box& box, const Vec3& lower, const Vec3& upper, double width);
+  OccupiedSpace(const Box& box, const Vec3& lower, const Vec3& upper, double width,
+                std::size_t spheres);
 
   void add(const Vec3& x, double radius);
   /// Whether a sphere would overlap none of those added.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "repose/base/error.hpp"
@@ -22,13 +23,26 @@ RainSource::RainSource(const scene::Case& scene, std::size_t number, ClumpForms&
   grains_ = draw_mixture(scene, rain_.mixture, rain_.mass_kg, random);
   random.shuffle(grains_);
   for (const scene::Grains& kind : rain_.mixture) forms_.push_back(forms.find(kind.clump));
-  for (const Grain& grain : grains_) {
-    const scene::ClumpForm* form = forms_[static_cast<std::size_t>(grain.kind)];
-    const double radius = 0.5 * grain.diameter;
-    const double smallest = radius * (form == nullptr ? 1.0 : form->smallest_radius);
-    if (smallest_radius_ == 0.0 || smallest < smallest_radius_) smallest_radius_ = smallest;
-    largest_radius_ = std::max(largest_radius_, radius * ClumpForms::largest_sphere(form));
+  if (grains_.empty())
+    throw InputError("rain \"" + rain_.name + "\": mass_kg = " + shortest(rain_.mass_kg) +
+                     ": is less than half of its smallest particle; nothing would fall");
+  for (std::size_t k = 0; k < forms_.size(); ++k) {
+    double smallest = std::numeric_limits<double>::infinity();
+    for (const Grain& grain : grains_) {
+      if (static_cast<std::size_t>(grain.kind) != k) continue;
+      const double radius = 0.5 * grain.diameter;
+      smallest =
+          std::min(smallest, radius * (forms_[k] == nullptr ? 1.0 : forms_[k]->smallest_radius));
+      largest_radius_ = std::max(largest_radius_, radius * ClumpForms::largest_sphere(forms_[k]));
+    }
+    if (std::isfinite(smallest)) smallest_.push_back({rain_.mixture[k].material, smallest});
   }
+}
+
+double RainSource::smallest_radius() const {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const Smallest& of_kind : smallest_) smallest = std::min(smallest, of_kind.radius);
+  return smallest;
 }
 
 bool RainSource::is_due(double time_s) const {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
+#include <string>
 #include <vector>
 
 #include "insertion/draw_grains.hpp"
@@ -14,12 +14,20 @@ namespace repose::dem {
 class RainSource {
  public:
   /// Draws all particles in a random order; numbers come from streams of their own for each rain.
+  /// Throws InputError if its mass is less than half of the smallest particle.
   RainSource(const scene::Case& scene, std::size_t number, ClumpForms& forms);
 
   const scene::Rain& rain() const { return rain_; }
+  /// The smallest sphere that will come of each kind that comes at all.
+  struct Smallest {
+    std::string material;
+    double radius;  ///< m
+  };
+  const std::vector<Smallest>& smallest_of_kinds() const { return smallest_; }
   /// Smallest and largest sphere that will come, m.
-  double smallest_radius() const { return smallest_radius_; }
+  double smallest_radius() const;
   double largest_radius() const { return largest_radius_; }
+  std::size_t outstanding() const { return grains_.size() - next_; }
   bool is_finished() const { return next_ == grains_.size(); }
   double placed_kg() const { return placed_kg_; }
   /// Whether a particle is due `time_s` after the rain began.
@@ -39,7 +47,7 @@ class RainSource {
   std::uint64_t seed_;
   std::uint64_t stream_;
   double placed_kg_ = 0.0;
-  double smallest_radius_ = 0.0;
+  std::vector<Smallest> smallest_;
   double largest_radius_ = 0.0;
 };
 

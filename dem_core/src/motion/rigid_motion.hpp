@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "geometry/cross.hpp"
+#include "repose/dem/cross.hpp"
 
 namespace repose::dem {
 

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <utility>
 
-#include "geometry/cross.hpp"
+#include "repose/dem/cross.hpp"
 
 namespace repose::dem {
 namespace {
@@ -13,16 +13,19 @@ std::size_t index(std::int32_t i) {
   return static_cast<std::size_t>(i);
 }
 
-/// Gives the spheres of a clump place and velocity.
-void place(const Box& box, const Clump& clump, std::vector<Member>& members, Spheres& spheres) {
+/// Gives the spheres of a clump their places of now and their velocities of half a step before,
+/// when the orientation was `half`.
+void place(const Box& box, const Clump& clump, const Quaternion& half, std::vector<Member>& members,
+           Spheres& spheres) {
   const Eigen::Matrix3d turn = rotation_matrix(clump.q);
-  const Vec3 spin = turn * (turn.transpose() * clump.l).cwiseQuotient(clump.inertia);
+  const Eigen::Matrix3d turn_half = rotation_matrix(half);
+  const Vec3 spin = turn_half * (turn_half.transpose() * clump.l).cwiseQuotient(clump.inertia);
   for (std::int32_t m = clump.first; m < clump.first + clump.count; ++m) {
     Member& member = members[index(m)];
     const std::size_t s = index(member.sphere);
     member.arm = turn * member.local;
     spheres.motion[s].x = box.wrapped(clump.x + member.arm);
-    spheres.motion[s].v = clump.v + cross(spin, member.arm);
+    spheres.motion[s].v = clump.v + cross(spin, turn_half * member.local);
     spheres.spin[s].w = spin;
   }
 }
@@ -75,7 +78,7 @@ std::size_t add_clump(const scene::ClumpForm& form, const scene::Particle& parti
     clumps.members.push_back({s, radius * sphere.position, Vec3::Zero()});
   }
   clumps.all.push_back(clump);
-  place(box, clump, clumps.members, spheres);
+  place(box, clump, clump.q, clumps.members, spheres);
   return clumps.size() - 1;
 }
 
@@ -102,11 +105,14 @@ void kick(const Vec3& gravity, double dt, Clumps& clumps) {
 DriftResult drift(const Box& box, double dt, Clumps& clumps, Spheres& spheres) {
   DriftResult result;
   for (Clump& clump : clumps.all) {
-    clump.x = box.wrapped(clump.x + clump.v * dt);
+    const Vec3 drifted = clump.x + clump.v * dt;
+    clump.x = box.wrapped(drifted);
+    result.moved_kg_m += clump.mass * (clump.x - drifted);
     const std::int32_t first_sphere = clumps.members[index(clump.first)].sphere;
     if (!box.contains(clump.x) && result.out < 0) result.out = first_sphere;
-    clump.q = free_rotation(clump.q, clump.l, clump.inertia, dt);
-    place(box, clump, clumps.members, spheres);
+    const Quaternion before = clump.q;
+    clump.q = free_rotation(before, clump.l, clump.inertia, dt);
+    place(box, clump, between(before, clump.q), clumps.members, spheres);
     for (std::int32_t m = clump.first; m < clump.first + clump.count; ++m) {
       const std::size_t s = index(clumps.members[index(m)].sphere);
       const Vec3 moved = box.nearest_image(spheres.motion[s].x - spheres.x_listed[s]);

@@ -60,8 +60,9 @@ void gather_loads(const Spheres& spheres, Clumps& clumps);
 /// v += (F/m + g) dt, l += T dt with the gathered loads.
 void kick(const Vec3& gravity, double dt, Clumps& clumps);
 
-/// x += v dt, the orientation follows the angular momentum; then the spheres take place and
-/// velocity from their clump. A clump is out if its centre is.
+/// x += v dt, the orientation follows the angular momentum; then the spheres take their places from
+/// their clump, and velocities that belong to the orientation of the half step. A clump is out if
+/// its centre is.
 DriftResult drift(const Box& box, double dt, Clumps& clumps, Spheres& spheres);
 
 /// After the spheres were sorted: finds the members again and puts the clumps into their order.

@@ -7,9 +7,11 @@ namespace {
 
 /// Brings a sphere that crossed a periodic side back in; its listed position moves with it. False
 /// if it is outside all the same.
-bool wrap(const Box& box, Vec3& x, Vec3& listed) {
+bool wrap(const Box& box, double mass, Vec3& x, Vec3& listed, Vec3& moved_kg_m) {
   const Vec3 inside = box.wrapped(x);
-  listed += inside - x;
+  const Vec3 shift = inside - x;
+  listed += shift;
+  moved_kg_m += mass * shift;
   x = inside;
   return box.contains(x);
 }
@@ -31,7 +33,9 @@ DriftResult drift(const Box& box, double dt, Spheres& spheres) {
     if (spheres.member[i] >= 0) continue;
     Motion& sphere = spheres.motion[i];
     sphere.x += sphere.v * dt;
-    if (!box.contains(sphere.x) && !wrap(box, sphere.x, spheres.x_listed[i]) && result.out < 0)
+    if (!box.contains(sphere.x) &&
+        !wrap(box, spheres.mass[i], sphere.x, spheres.x_listed[i], result.moved_kg_m) &&
+        result.out < 0)
       result.out = static_cast<std::ptrdiff_t>(i);
     result.moved2 = std::max(result.moved2, (sphere.x - spheres.x_listed[i]).squaredNorm());
     spheres.load[i] = {Vec3::Zero(), Vec3::Zero()};

@@ -28,6 +28,11 @@ inline Quaternion quaternion_of(const std::array<double, 4>& wxyz) {
   return normalised({wxyz[0], wxyz[1], wxyz[2], wxyz[3]});
 }
 
+/// Half way between two orientations a small turn apart, to the square of that turn.
+inline Quaternion between(const Quaternion& a, const Quaternion& b) {
+  return normalised({a.w + b.w, a.x + b.x, a.y + b.y, a.z + b.z});
+}
+
 inline Eigen::Matrix3d rotation_matrix(const Quaternion& q) {
   Eigen::Matrix3d r;
   r << 1.0 - 2.0 * (q.y * q.y + q.z * q.z), 2.0 * (q.x * q.y - q.w * q.z),

@@ -28,6 +28,9 @@ struct ContactKinematics {
   double inv_distance = 0.0;  ///< 1/|x_ij|; 0 at a wall
   Vec3 velocity;              ///< of i's surface relative to j's at the contact point, m/s
   Vec3 spin;                  ///< angular velocity of i relative to j (of i at a wall), rad/s
+  /// Rate at which the contact as a whole turns about its normal, rad/s: half of (w_i + w_j).n of a
+  /// pair, that of the wall at a wall. History turns with it, but for Compatibility::liggghts.
+  double turning = 0.0;
 };
 
 struct ContactForce {
@@ -75,8 +78,9 @@ struct ContactState {
 /// as of now. With contact radius a = sqrt(R* d), S_n = 2 E* a, S_t = 8 G* a:
 ///   F_n = (4/3) E* a d + 2 sqrt(5/6) beta sqrt(S_n m*) v_n,  v_n > 0 approaching; Tail::clip cuts
 ///         it at 0
-///   xi  is turned to the normal of t - dt/2, v_t dt added, turned to the normal of t, keeping its
-///         length each time [Vyas2025]; Compatibility::liggghts adds, then projects onto the plane
+///   xi  is turned to the normal of t - dt/2 and about it with the contact, v_t dt added, turned to
+///         the normal of t, keeping its length each time [Vyas2025]; Compatibility::liggghts adds,
+///         then projects onto the plane
 ///   F_t = -S_t xi - 2 sqrt(5/6) beta sqrt(S_t m*) v_t     while S_t |xi| <= mu |F_n|, else
 ///   F_t = -mu |F_n| xi/|xi|, and xi is shortened to |F_t|/S_t; Tail::clip caps the first at mu F_n
 /// Rolling: rolling_spring() or rolling_resistance(). Cohesion, not in the limits: cohesion_area().

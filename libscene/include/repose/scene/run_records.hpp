@@ -50,7 +50,8 @@ struct ContactRow {
 struct EnergyRow {
   double time_s = 0.0;
   double kinetic_translational_j = 0.0, kinetic_rotational_j = 0.0;
-  double gravitational_j = 0.0;  ///< -sum(m g.x), x from the origin
+  /// -sum(m g.x), x from the origin and on across periodic sides
+  double gravitational_j = 0.0;
   double elastic_normal_j = 0.0, elastic_tangential_j = 0.0, elastic_rolling_j = 0.0;
   double dissipated_normal_j = 0.0;      ///< by damping
   double dissipated_tangential_j = 0.0;  ///< by damping
@@ -59,6 +60,7 @@ struct EnergyRow {
   /// Lost, or won if negative, because tangential and rolling stiffness follow the overlap while
   /// the displacements that load them stay: the price of a displacement history.
   double stiffness_change_j = 0.0;
+  double released_j = 0.0;   ///< lost with contacts that ended while they still stored it
   double wall_work_j = 0.0;  ///< done by moving walls on particles
   double inserted_j = 0.0;   ///< brought in by particles that appeared
   double removed_j = 0.0;    ///< taken out with particles that were removed

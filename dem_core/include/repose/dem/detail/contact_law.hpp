@@ -2,6 +2,7 @@
 #pragma once
 
 #include "repose/dem/contact_law.hpp"
+#include "repose/dem/cross.hpp"
 
 namespace repose::dem {
 namespace detail {
@@ -22,8 +23,10 @@ namespace detail {
 /// How tangential vectors follow the contact through a step.
 class Turning {
  public:
-  [[gnu::always_inline]] Turning(const scene::ContactModel& model, const ContactKinematics& now)
+  [[gnu::always_inline]] Turning(const scene::ContactModel& model, const ContactKinematics& now,
+                                 double dt)
       : project_(model.compatibility == scene::Compatibility::liggghts),
+        angle_(now.turning * dt),
         half_(now.normal_half),
         end_(now.normal),
         axis_((now.normal + now.normal_half) / (1.0 + now.normal.dot(now.normal_half))) {}
@@ -37,12 +40,16 @@ class Turning {
       history -= history.dot(end_) * end_;
     } else {
       turn_into_plane(history, half_);
+      const double across =
+          angle_ * (1.0 - angle_ * angle_ / 6.0);  // the length is kept to angle^4
+      history += across * cross(half_, history) - (0.5 * angle_ * angle_) * history;
       history = at_end(history + increment);
     }
   }
 
  private:
   bool project_;
+  double angle_;  // about the normal within the step
   Vec3 half_, end_, axis_;
 };
 
@@ -79,9 +86,10 @@ template <class Energies>
   const bool yields = size2 > limit * limit;
   if constexpr (std::is_same_v<Energies, ContactEnergies>) {
     const double size = std::sqrt(size2);
-    energies.rolling_j = 0.5 * std::pow(yields ? limit : size, 2) / stiffness;
-    energies.rolling_w = yields ? (dt > 0.0 ? limit * (size - limit) / (stiffness * dt) : 0.0)
-                                : damping * rolling.squaredNorm();
+    if (stiffness > 0.0) energies.rolling_j = 0.5 * std::pow(yields ? limit : size, 2) / stiffness;
+    energies.rolling_w =
+        yields ? (dt * stiffness > 0.0 ? limit * (size - limit) / (stiffness * dt) : 0.0)
+               : damping * rolling.squaredNorm();
   }
   if (yields) {
     torque *= limit / std::sqrt(size2);
@@ -149,7 +157,7 @@ template <class Energies>
 
   const Vec3 sliding = now.velocity - approach * now.normal_half;
   Vec3& xi = history.slip;
-  const detail::Turning turning(model, now);
+  const detail::Turning turning(model, now, dt);
   turning.add(sliding * dt, xi);
   const double stiffness = 8.0 * law.g_eff * a;
   const double xi2 = xi.squaredNorm();

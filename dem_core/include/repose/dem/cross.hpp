@@ -1,9 +1,11 @@
 // The vector product, without the weight of Eigen/Geometry.
 #pragma once
 
-#include "repose/dem/contact_law.hpp"
+#include <Eigen/Core>
 
 namespace repose::dem {
+
+using Vec3 = Eigen::Vector3d;
 
 inline Vec3 cross(const Vec3& a, const Vec3& b) {
   return {a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(),
