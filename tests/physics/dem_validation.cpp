@@ -50,10 +50,13 @@ int main(int argc, char** argv) {
     return argc == 2 ||
            std::any_of(argv + 2, argv + argc, [&](const char* a) { return group.id == a; });
   };
-  std::string body, misses;
+  std::string body, misses, left_out;
   int met = 0, missed = 0;
   for (const Group& group : all_groups()) {
-    if (!wanted(group)) continue;
+    if (!wanted(group)) {
+      left_out += (left_out.empty() ? "" : ", ") + group.id;
+      continue;
+    }
     const auto start = std::chrono::steady_clock::now();
     const std::vector<Check> checks = group.run(Extent::full);
     const double seconds =
@@ -75,6 +78,7 @@ int main(int argc, char** argv) {
          "the same "
          "checks run in CI (`ctest -L physics`).\n\n"
       << fmt::format("{} requirements met, {} missed.\n", met, missed)
+      << (left_out.empty() ? "" : "\nNot run this time: " + left_out + ".\n")
       << (misses.empty() ? "" : "\nMissed:\n\n" + misses) << body;
   if (!out) {
     std::cerr << "cannot write " << argv[1] << '\n';
