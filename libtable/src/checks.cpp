@@ -7,34 +7,27 @@
 #include "repose/base/error.hpp"
 
 namespace repose::table {
-namespace {
-
-template <class Predicate>
-void refuse(const Table& table, const std::string& where, Predicate is_refused, const char* why) {
-  for (const Column& column : table.columns()) {
-    const auto* values = std::get_if<std::vector<double>>(&column.values);
-    if (values == nullptr) continue;
-    for (std::size_t row = 0; row < values->size(); ++row)
-      if (is_refused((*values)[row])) refuse_cell(column.name, row, where, why);
-  }
-}
-
-}  // namespace
-
 void refuse_cell(std::string_view column, std::size_t row, const std::string& where,
                  const char* why) {
   throw InputError(fmt::format("{}: row {} of column \"{}\" {}", where, row + 1, column, why));
 }
 
-void refuse_infinite(const Table& table, const std::string& where) {
-  refuse(
-      table, where, [](double value) { return std::isinf(value); },
-      "is infinite; values must be finite, and NaN where there is none");
+void refuse_values(const Values& values, std::string_view column, std::size_t first,
+                   const std::string& where, Missing missing) {
+  const auto* doubles = std::get_if<std::vector<double>>(&values);
+  if (doubles == nullptr) return;
+  for (std::size_t row = 0; row < doubles->size(); ++row) {
+    if (std::isfinite((*doubles)[row])) continue;
+    if (std::isinf((*doubles)[row]))
+      refuse_cell(column, first + row, where,
+                  "is infinite; values must be finite, and NaN where there is none");
+    if (missing == Missing::refuse) refuse_cell(column, first + row, where, kMissingReason);
+  }
 }
 
-void refuse_missing(const Table& table, const std::string& where) {
-  refuse(
-      table, where, [](double value) { return std::isnan(value); }, kMissingReason);
+void refuse_values(const Table& table, const std::string& where, Missing missing) {
+  for (const Column& column : table.columns())
+    refuse_values(column.values, column.name, 0, where, missing);
 }
 
 void refuse_nul(const std::string& text, const std::string& where) {

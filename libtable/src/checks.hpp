@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "repose/table/table.hpp"
+#include "repose/table/io.hpp"
 
 namespace repose::table {
 
@@ -16,9 +16,11 @@ inline constexpr const char* kMissingReason =
 [[noreturn]] void refuse_cell(std::string_view column, std::size_t row, const std::string& where,
                               const char* why);
 
-void refuse_infinite(const Table& table, const std::string& where);
-/// NaN; a text in memory is never missing.
-void refuse_missing(const Table& table, const std::string& where);
+/// Infinite values, and NaN unless missing values are allowed; `first` is the row of the first
+/// value. A text in memory is never missing.
+void refuse_values(const Values& values, std::string_view column, std::size_t first,
+                   const std::string& where, Missing missing);
+void refuse_values(const Table& table, const std::string& where, Missing missing);
 /// C strings, and so HDF5's, end at NUL.
 void refuse_nul(const std::string& text, const std::string& where);
 

@@ -12,7 +12,8 @@
 #include "repose/base/error.hpp"
 #include "repose/base/file.hpp"
 #include "repose/base/text.hpp"
-#include "repose/table/io.hpp"
+#include "write.hpp"
+#include "writer_lock.hpp"
 
 namespace repose::table {
 namespace {
@@ -178,8 +179,7 @@ Table parse_csv(std::string_view text, const std::string& name, Missing missing)
       throw InputError(fmt::format("{}, column {}: {}", name, j + 1, error.what()));
     }
   }
-  refuse_infinite(table, name);
-  if (missing == Missing::refuse) refuse_missing(table, name);
+  refuse_values(table, name, missing);
   return table;
 }
 
@@ -188,7 +188,7 @@ Table read_csv(const std::filesystem::path& file, Missing missing) {
 }
 
 std::string csv_text(const Table& table) {
-  refuse_infinite(table, "a table to be written as CSV");
+  refuse_values(table, "a table to be written as CSV", Missing::allow);
   std::string out;
   for (const Column& column : table.columns()) {
     if (!out.empty()) out += ',';
@@ -208,7 +208,12 @@ std::string csv_text(const Table& table) {
 }
 
 void write_csv(const std::filesystem::path& file, const Table& table) {
-  refuse_infinite(table, file.string());
+  const WriterLock lock(file);
+  write_csv_locked(file, table);
+}
+
+void write_csv_locked(const std::filesystem::path& file, const Table& table) {
+  refuse_values(table, file.string(), Missing::allow);
   if (table.columns().empty())
     throw InputError(
         fmt::format("{}: a table without columns cannot be written as CSV", file.string()));

@@ -116,11 +116,6 @@ Object open_file(const std::filesystem::path& path) {
 }
 
 Object create_file(const std::filesystem::path& path, const std::string& name) {
-  const std::filesystem::path folder = path.parent_path();
-  std::error_code error;
-  if (!folder.empty() && !std::filesystem::is_directory(folder, error))
-    throw StorageError(
-        fmt::format("cannot write {}: there is no directory {}", name, folder.string()));
   const Handle access = file_access();
   const hid_t id = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get());
   return {Handle(checked(id, fmt::format("cannot write {}", name)), H5Fclose), name};

@@ -13,19 +13,14 @@
 #include "repose/base/error.hpp"
 #include "repose/base/file.hpp"
 #include "repose/base/text.hpp"
+#include "write.hpp"
+#include "writer_lock.hpp"
 
 namespace repose::table {
 namespace {
 
 constexpr const char* kVersionAttribute = "repose_version";
 constexpr const char* kDefaultGroup = "/table";
-
-bool is_csv(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension == ".csv";
-}
 
 /// Removes a file that was not committed.
 class TemporaryFile {
@@ -66,7 +61,7 @@ void check_attributes(const Attributes& attributes, const std::string& where) {
 }
 
 void check_storable(const Table& table, const std::string& where) {
-  refuse_infinite(table, where);
+  refuse_values(table, where, Missing::allow);
   check_attributes(table.attributes, where);
   for (const char* name : {kFormatAttribute, kOrderAttribute})
     if (table.attributes.contains(name))
@@ -120,6 +115,13 @@ void write_group(const hdf5::Object& file, const std::string& path, const Table&
 
 }  // namespace
 
+bool is_csv(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == ".csv";
+}
+
 Location parse_location(std::string_view text) {
   const std::size_t colon = text.rfind(":/");
   Location location{std::string(text.substr(0, colon)),
@@ -142,8 +144,7 @@ Table read_table(const Location& location, Missing missing) {
   if (is_csv(location.file)) return read_csv(location.file, missing);
   Table table = read_hdf5_table(location);
   const std::string where = location_text(location);
-  refuse_infinite(table, where);
-  if (missing == Missing::refuse) refuse_missing(table, where);
+  refuse_values(table, where, missing);
   return table;
 }
 
@@ -155,6 +156,13 @@ void write_table(const Location& location, const Table& table) {
 void write_tables(const std::filesystem::path& file,
                   const std::vector<std::pair<std::string, Table>>& groups,
                   const Attributes& file_attributes) {
+  const WriterLock lock(file);
+  write_tables_locked(file, groups, file_attributes);
+}
+
+void write_tables_locked(const std::filesystem::path& file,
+                         const std::vector<std::pair<std::string, Table>>& groups,
+                         const Attributes& file_attributes) {
   std::set<std::string> paths;
   check_attributes(file_attributes, file.string());
   for (const auto& [path, table] : groups) {

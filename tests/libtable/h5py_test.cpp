@@ -1,10 +1,8 @@
 // h5py reads our tables as they are, and we read what it writes.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-
 #include "folder.hpp"
-#include "repose/base/file.hpp"
+#include "python.hpp"
 #include "repose/table/io.hpp"
 
 namespace repose::table {
@@ -16,14 +14,7 @@ using Texts = std::vector<std::string>;
 
 class H5py : public FolderTest {
  protected:
-  /// Runs a script in which `path` names "t.h5", `h5py` and `np` are imported; it must succeed.
-  void python(const std::string& script) {
-    write_file_atomically(file("script.py"), "import h5py, numpy as np\npath = '" +
-                                                 file("t.h5").string() + "'\n" + script);
-    const std::string command = "/usr/bin/python3 '" + file("script.py").string() + "' >'" +
-                                file("log").string() + "' 2>&1";
-    ASSERT_EQ(std::system(command.c_str()), 0) << read_file(file("log"));
-  }
+  void python(const std::string& script) { run_python(file(""), script); }
   Table read(const std::string& group) { return read_table({file("t.h5"), group}); }
   std::string refusal(const std::string& group) {
     return message_of<InputError>([&] { read(group); });

@@ -54,8 +54,8 @@ enum class Missing { refuse, allow };
 Table read_table(const Location& location, Missing missing = Missing::refuse);
 
 /// Writes one table, replacing the whole file; *.csv is CSV, any other name HDF5. Throws
-/// StorageError if the file cannot be written, InputError for an infinite value, a name with "/"
-/// (HDF5) or a text with a NUL character; the old file then stays as it was.
+/// StorageError if it cannot be written or another process or thread is writing it, InputError for
+/// an infinite value, a name with "/" (HDF5) or a NUL in a text; the old file then stays as it was.
 void write_table(const Location& location, const Table& table);
 
 /// Writes several tables, (group, table) each, into one HDF5 file with attributes of its root
