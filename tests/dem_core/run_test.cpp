@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
@@ -136,6 +137,40 @@ TEST(RunCase, WritesSnapshotsOnTime) {
   for (std::size_t i = 0; i < 3; ++i)
     EXPECT_NEAR(run.snapshots()[i].time_s, 0.025 * (static_cast<double>(i) + 1),
                 4.0 * summary.time_step_s);
+}
+
+TEST(RunCase, AnEndlessDurationLeavesTheEndToTheCriterion) {
+  const Scratch scratch;
+  scene::Case c = trap_door();
+  c.stages[0].duration_s = 1e99;  // more steps than any integer counts
+  c.stages[1].duration_s = 0.01;
+  c.stages[1].flow_ends.reset();
+  double largest_before = 0.0, done_last = 0.0, total_last = 0.0;
+  const scene::RunSummary summary =
+      run_case(c, scratch.path / "run", [&](double done, double total, std::string_view stage) {
+        if (stage == "settle") largest_before = std::max(largest_before, done / total);
+        done_last = done;
+        total_last = total;
+      });
+  ASSERT_EQ(summary.stages.size(), 2u);
+  EXPECT_EQ(summary.stages[0].reason, "at rest");
+  EXPECT_GT(summary.stages[0].time_s, 0.05);
+  EXPECT_LT(largest_before, 1e-9);
+  // What is done is the simulated time, and the end is known once the endless stage is over.
+  EXPECT_NEAR(done_last, summary.stages[1].time_s, 1e-12);
+  EXPECT_NEAR(done_last / total_last, 1.0, 1e-3);
+}
+
+TEST(RunCase, EndlessIntervalsWriteOnlyTheEndsOfStages) {
+  const Scratch scratch;
+  scene::Case c = trap_door();
+  c.stages = {{.name = "fall", .duration_s = 0.01}, {.name = "on", .duration_s = 0.01}};
+  c.output.series_interval_s = 1e99;
+  c.output.snapshot_interval_s = 1e99;
+  run_case(c, scratch.path / "run");
+  const scene::Run run = scene::read_run(scratch.path / "run");
+  EXPECT_EQ(run.series().numbers("time_s").size(), 3u);  // the start and two ends
+  EXPECT_EQ(run.snapshots().size(), 2u);
 }
 
 TEST(RunCase, ThatFailsLeavesNoResult) {

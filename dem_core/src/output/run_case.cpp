@@ -19,8 +19,12 @@ namespace {
 /// Sphere-steps between two looks at the progress callback: below half a second of work.
 constexpr double kWorkBetweenProgress = 1e6;
 
+/// Stands for all that is longer; two of it still fit into an integer.
+constexpr double kEndlessSteps = 0x1p60;
+
+/// At least one.
 std::int64_t steps_of(double duration_s, double dt) {
-  return std::max<std::int64_t>(1, std::llround(duration_s / dt));
+  return std::llround(std::clamp(duration_s / dt, 1.0, kEndlessSteps));
 }
 
 /// A run under way.
@@ -46,7 +50,10 @@ class Runner {
     const std::clock_t cpu_begin = std::clock();
     Simulation sim(scene_);
     prepare(sim);
-    for (const scene::Stage& stage : scene_.stages) run_stage(sim, stage);
+    for (std::size_t s = 0; s < scene_.stages.size(); ++s) {
+      latest_end_s_ = sim.time_s() + longest_time_from(s);
+      run_stage(sim, scene_.stages[s]);
+    }
     require_all_rain(sim);
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
     summarize(sim, elapsed.count());
@@ -64,7 +71,6 @@ class Runner {
     series_every_ = steps_of(scene_.output.series_interval_s, dt_);
     if (scene_.output.snapshot_interval_s > 0.0)
       snapshot_every_ = steps_of(scene_.output.snapshot_interval_s, dt_);
-    for (const scene::Stage& stage : scene_.stages) total_s_ += stage.duration_s;
     for (const std::string& line : head_of_log(scene_, sim)) writer_.log(line);
     add_rows(sim);
   }
@@ -107,7 +113,6 @@ class Runner {
         writer_.write_snapshot(snapshot_of(scene_, stage.name, sim), sim.wall_poses());
     }
     summary_.stages.push_back({stage.name, sim.time_s(), reason});
-    planned_s_ += stage.duration_s;
     writer_.log(fmt::format(
         "stage \"{}\" ended at {:.6g} s: {}; {} bodies, kinetic energy {:.4g} J, {} "
         "contacts, largest overlap so far {:.3g} of the radius",
@@ -132,16 +137,15 @@ class Runner {
       const std::int64_t steps = std::min(portion, target - sim.steps());
       sim.step(steps);
       sphere_steps_ += static_cast<double>(steps) * static_cast<double>(sim.size());
-      const double stage_s = static_cast<double>(last_step - sim.steps()) * dt_;
-      if (progress_) progress_(std::max(0.0, done_s(stage, stage_s)), total_s_, stage);
+      if (progress_) progress_(sim.time_s(), std::max(latest_end_s_, sim.time_s()), stage);
     }
   }
 
-  /// Planned time passed: that of finished stages and what has gone of this one.
-  double done_s(const std::string& name, double left_of_stage_s) const {
-    for (const scene::Stage& stage : scene_.stages)
-      if (stage.name == name) return planned_s_ + stage.duration_s - left_of_stage_s;
-    return planned_s_;
+  /// How long this stage and those after it last if none ends early.
+  double longest_time_from(std::size_t stage) const {
+    double time = 0.0;
+    for (; stage < scene_.stages.size(); ++stage) time += scene_.stages[stage].duration_s;
+    return time;
   }
 
   /// One row of every time series; loads on walls are of steps, so they begin after the first.
@@ -169,8 +173,7 @@ class Runner {
   double weight_scale_j_ = 0.0;  // of the last row
   double sphere_steps_ = 0.0;
   double dt_ = 0.0;
-  double total_s_ = 0.0;
-  double planned_s_ = 0.0;
+  double latest_end_s_ = 0.0;  // of the run, as known from what stages have ended
   std::int64_t series_every_ = 1;
   std::int64_t snapshot_every_ = 0;
 };
