@@ -149,12 +149,15 @@ void Simulation::State::check_displacement(double moved) const {
 
 /// A wall that jumped over the centre of a sphere would push it on.
 void Simulation::State::check_wall_speed() const {
-  const double speed = walls.largest_speed();
-  if (speed * dt <= kLargestWallStep * skin / options.skin_radii) return;
-  throw SimulationError("a wall moves with " + shortest(speed) + " m/s at time " +
-                        shortest(time_s()) +
-                        " s, by more than a quarter of the smallest radius in a time step of " +
-                        shortest(dt) + " s; lower time_step_rayleigh_fraction or its speed");
+  const Walls::LargestStep moved = walls.largest_step();
+  const double allowed = kLargestWallStep * skin / options.skin_radii;
+  if (moved.distance <= allowed) return;
+  throw SimulationError("wall \"" + scene.walls[moved.wall].name + "\" moved by " +
+                        shortest(moved.distance) + " m in the time step before " +
+                        shortest(time_s()) + " s; at most a quarter of the smallest radius, " +
+                        shortest(allowed) +
+                        " m, is allowed: move it more slowly or lower "
+                        "time_step_rayleigh_fraction");
 }
 
 std::string Simulation::State::name_of(std::size_t i) const {

@@ -104,7 +104,8 @@ const std::vector<CaseKey> kKeys = {
     {"[[motion]]", "start_s", "s", "0", "the wall rests before"},
     {"[[motion]]", "end_s", "s", "never", "the wall stays where it is afterwards"},
     {"[[motion]] points", "time_s", "s", "", "ascending, from start_s"},
-    {"[[motion]] points", "displacement_m", "m", "", "[x, y, z]"},
+    {"[[motion]] points", "displacement_m", "m", "",
+     "[x, y, z]; first [0, 0, 0] unless the motion starts with the run"},
 
     {"[[region]]", "name", kText, "", "its mass is recorded as mass_NAME_kg"},
     {"[[region]]", "lower_m", "m", "-inf", "[x, y, z]"},

@@ -187,6 +187,47 @@ TEST(Stage, BeginsItsMotionsAndOpensItsWalls) {
   EXPECT_THROW(sim.begin_stage("lunch"), InputError);
 }
 
+/// The message with which 0.1 s on a moved floor end, "" if they do not; spheres at x = 0.3 m.
+std::string failure_on(const scene::Wall& floor, decltype(scene::Motion::path) path) {
+  scene::Case c = empty_case({});
+  c.gravity_m_s2.z() = -9.81;
+  c.walls = {floor};
+  c.motions = {moving(floor.name, std::move(path))};
+  c.particles = {grain(0.01, {0.3, 0.2, 0.0101})};
+  Simulation sim(c);
+  try {
+    run_until(sim, 0.1);
+    return "";
+  } catch (const SimulationError& error) {
+    return error.what();
+  }
+}
+
+TEST(MovingPlate, ThatATableThrowsPastASphereIsAnError) {
+  // From one point to the next within a billionth of a step, when no step looks at its speed.
+  const scene::TimeTable jump{{0.0, 0.05, 0.05 + 1e-14}, {{0, 0, 0}, {0, 0, 0}, {0, 0, 0.02}}};
+  const auto plate = rectangle("plate", {-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
+  const std::string text = failure_on(plate, jump);
+  EXPECT_NE(text.find("wall \"plate\" moved by 0.02 m in the time step before 0.05"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("a quarter of the smallest radius, 0.0025 m"), std::string::npos) << text;
+}
+
+TEST(SurfaceThatSlidesInItself, MayMoveAsFastAsItLikes) {
+  // More than a radius a step: 1e4 m/s for 1e-5 s and more.
+  EXPECT_EQ(failure_on(floor_plane(), scene::Translation{{1e4, 0, 0}}), "");
+  EXPECT_EQ(failure_on(floor_plane(), scene::Rotation{.centre = {10, 0, 0}, .rate_rad_s = 1e3}),
+            "");
+  EXPECT_EQ(failure_on({"disc", "wall", scene::Disc{{0.3, 0.2, 0}, {0, 0, 1}, 1.0}},
+                       scene::Rotation{.centre = {0.3, 0.2, 0}, .rate_rad_s = 1e4}),
+            "");
+  // About an axis beside its own it does move.
+  EXPECT_NE(failure_on({"disc", "wall", scene::Disc{{0.3, 0.2, 0}, {0, 0, 1}, 1.0}},
+                       scene::Rotation{.centre = {0.0, 0.2, 0}, .rate_rad_s = 1e4}),
+            "");
+}
+
 TEST(MovingPlate, TooFastForTheTimeStepIsAnError) {
   scene::Case c = empty_case({});
   c.walls = {rectangle("plate", {-1, -1, -0.3}, {2, 0, 0}, {0, 2, 0})};

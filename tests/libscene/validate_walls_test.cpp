@@ -85,6 +85,18 @@ const std::vector<Wrong> kWrongMotions = {
      "2 times stand beside 3"},
     {"points out of order",
      [](Case& c) { std::get<TimeTable>(c.motions[3].path).times_s[2] = 0.1; }, "times must ascend"},
+    {"a table that starts elsewhere",
+     [](Case& c) {
+       c.motions[3].start_s = 0.2;
+       std::get<TimeTable>(c.motions[3].path).displacements_m[0].z() = 0.05;
+     },
+     "motion 4: the first displacement_m.z = 0.05: the wall would jump"},
+    {"a table that starts elsewhere with its stage",
+     [](Case& c) {
+       c.motions[3].stage = "fill";
+       std::get<TimeTable>(c.motions[3].path).displacements_m[0].x() = -0.05;
+     },
+     "the first displacement_m.x = -0.05: the wall would jump"},
     {"tilted plane", [](Case& c) { c.motions[0].walls = {"ground"}; }, "only about its normal"},
     {"along the period",
      [](Case& c) { std::get<Translation>(c.motions[1].path).velocity_m_s.y() = 0.1; },
@@ -111,6 +123,12 @@ const std::vector<Wrong> kWrongMotions = {
 
 TEST(Validate, NamesWhatIsWrongWithMotions) {
   expect_each_is_refused(kWrongMotions);
+}
+
+TEST(Validate, TakesATableThatHoldsAWallElsewhereFromTheBeginning) {
+  Case c = sample_case();
+  std::get<TimeTable>(c.motions[3].path).displacements_m[0].z() = 0.05;
+  EXPECT_NO_THROW(validate(c));
 }
 
 }  // namespace

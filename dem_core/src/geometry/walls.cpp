@@ -126,11 +126,12 @@ Walls::Walls(const scene::Case& scene) {
                   .motion = WallMotion(scene, w)};
     if (const auto* mesh = std::get_if<scene::Mesh>(&wall.shape))
       body.smooth_cosine = std::cos(mesh->smooth_deg * std::numbers::pi / 180.0) - kSameDirection;
+    body.now = body.motion.at(0.0);
+    body.half_twist = body.now.twist;
+    body.before = body.listed = body.now.pose;
     bodies_.push_back(std::move(body));
   }
   number_patches();
-  advance(0.0, 0.0);
-  mark_listed();
   clear_loads();
 }
 
@@ -165,6 +166,7 @@ void Walls::begin_stage(const std::string& name, double time_s) {
 void Walls::advance(double time_s, double dt) {
   for (WallBody& body : bodies_) {
     if (body.motion.empty()) continue;
+    body.before = body.now.pose;
     body.now = body.motion.at(time_s);
     body.half_twist = body.motion.at(time_s - 0.5 * dt).twist;
   }
@@ -183,18 +185,14 @@ void Walls::mark_listed() {
   for (WallBody& body : bodies_) body.listed = body.now.pose;
 }
 
-double Walls::largest_speed() const {
-  double largest = 0.0;
-  for (const WallBody& body : bodies_) {
+Walls::LargestStep Walls::largest_step() const {
+  LargestStep largest;
+  for (std::size_t w = 0; w < bodies_.size(); ++w) {
+    const WallBody& body = bodies_[w];
     if (!body.present || body.motion.empty()) continue;
-    const auto see = [&](const Vec3& drawn) {
-      largest = std::max(largest, body.now.twist.at(body.now.pose.to_world(drawn)).norm());
-    };
-    const Facet& first = facet(body.first_facet);
-    if (first.kind == FacetKind::plane)
-      see(first.origin);
-    else
-      for_corners(body.tree.bounds(), see);
+    const double distance =
+        distance_between(facet(body.first_facet), body, body.now.pose, body.before);
+    if (distance > largest.distance) largest = {w, distance};
   }
   return largest;
 }

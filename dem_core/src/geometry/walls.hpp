@@ -20,6 +20,7 @@ struct WallBody {
   WallMotion motion;
   WallState now{};
   Twist half_twist{};  ///< half a step before `now`, the time of the velocities of spheres
+  Pose before{};       ///< now, at the last advance()
   Pose listed{};       ///< when the neighbor lists were built
 };
 
@@ -62,8 +63,12 @@ class Walls {
   /// revolution about its axis.
   double displacement() const;
   void mark_listed();
-  /// The largest speed of a point of a wall that is present, m/s; of planes, that of their origin.
-  double largest_speed() const;
+  /// The wall that is present and moved most in the last advance(), and how far in the same sense.
+  struct LargestStep {
+    std::size_t wall = 0;
+    double distance = 0.0;
+  };
+  LargestStep largest_step() const;
 
   /// The point of facet i that is closest to x, both in the world.
   ClosestPoint closest_point(std::int32_t i, const Vec3& x) const;

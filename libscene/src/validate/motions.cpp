@@ -16,6 +16,7 @@ bool are_parallel(const Vec3& a, const Vec3& b) {
 /// Checks one path; `what` begins the messages, "motion N: ".
 struct PathCheck {
   const std::string& what;
+  const Motion& motion;
 
   void operator()(const Translation& path) const {
     require_finite(what + "velocity_m_s", path.velocity_m_s);
@@ -35,6 +36,11 @@ struct PathCheck {
       refuse(what + "phase_rad", path.phase_rad, "must be a finite number");
   }
   void operator()(const TimeTable& path) const {
+    check_points(path);
+    require_no_jump(path);
+  }
+
+  void check_points(const TimeTable& path) const {
     if (path.times_s.empty())
       throw InputError(what + "has no points; add points = [{time_s, displacement_m}, ...]");
     if (path.times_s.size() != path.displacements_m.size())
@@ -49,6 +55,16 @@ struct PathCheck {
                "follows " + shortest(path.times_s[k - 1]) + "; times must ascend");
       require_finite(what + "displacement_m", path.displacements_m[k]);
     }
+  }
+  /// A wall is where it was drawn until the motion starts.
+  void require_no_jump(const TimeTable& path) const {
+    if (motion.stage.empty() && motion.start_s == 0.0) return;
+    const Vec3& first = path.displacements_m.front();
+    for (int k = 0; k < 3; ++k)
+      if (first[k] != 0.0)
+        refuse(what + "the first displacement_m." + kAxes[k], first[k],
+               "the wall would jump there when the motion starts; begin with [0, 0, 0], or let the "
+               "motion start with the run (no stage, start_s = 0)");
   }
 };
 
@@ -121,7 +137,7 @@ void check_motions(const Case& scene) {
     const Motion& motion = scene.motions[m];
     const std::string what = "motion " + std::to_string(m + 1) + ": ";
     check_moved_walls(scene, what, motion);
-    std::visit(PathCheck{what}, motion.path);
+    std::visit(PathCheck{what, motion}, motion.path);
     require_non_negative(what + "start_s", motion.start_s);
     if (!(motion.end_s > motion.start_s))
       refuse(what + "end_s", motion.end_s, "must be above start_s = " + shortest(motion.start_s));

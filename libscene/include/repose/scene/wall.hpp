@@ -90,8 +90,8 @@ struct Oscillation {
 };
 /// Displacements at given times, linear in between, held before the first and after the last.
 struct TimeTable {
-  std::vector<double> times_s{};  ///< ascending
-  std::vector<Vec3> displacements_m{};
+  std::vector<double> times_s{};        ///< ascending
+  std::vector<Vec3> displacements_m{};  ///< first 0 unless the motion starts with the run
   bool operator==(const TimeTable&) const = default;
 };
 
