@@ -32,6 +32,31 @@ TEST(Rectangle, CoplanarNeighborsActAsOne) {
   EXPECT_LT((one[0].position - many[0].position).norm(), 1e-12);
 }
 
+/// A section of a pipe about the line y = 0, z = 0.05 from x0 to x1.
+scene::Wall section(const std::string& name, double x0, double x1, double r0, double r1) {
+  return {name, "wall", scene::Cone{{x0, 0, 0.05}, {x1, 0, 0.05}, r0, r1}};
+}
+
+TEST(Pipe, SectionsThatGoOnSmoothlyActAsOne) {
+  struct Course {
+    double r0, middle, r1;  // at x = -1, 0 and 1
+  };
+  for (const Course& pipe : {Course{0.05, 0.05, 0.05}, Course{0.06, 0.05, 0.04}}) {
+    const auto one = rolled_over({section("a", -1, 1, pipe.r0, pipe.r1)});
+    const auto two = rolled_over(
+        {section("a", -1, 0, pipe.r0, pipe.middle), section("b", 0, 1, pipe.middle, pipe.r1)});
+    // The middle one, drawn the other way, joins two that were apart.
+    const double at = pipe.middle + 0.25 * (pipe.r1 - pipe.middle);
+    const auto three =
+        rolled_over({section("a", -1, 0, pipe.r0, pipe.middle), section("c", 0.25, 1, at, pipe.r1),
+                     section("b", 0.25, 0, at, pipe.middle)});
+    // The same arithmetic up to the rounding of heights over other origins.
+    EXPECT_LT((one[0].position - two[0].position).norm(), 1e-12);
+    EXPECT_LT((one[0].velocity - two[0].velocity).norm(), 1e-10);
+    EXPECT_LT((one[0].position - three[0].position).norm(), 1e-12);
+  }
+}
+
 TEST(Rectangle, InACornerEachFacePushesOnce) {
   // Statics: in a 90 degree groove tilted by 45 degrees each face carries m g / sqrt(2).
   scene::Case c = empty_case({.density = 2500.0, .youngs_modulus = 1e8});

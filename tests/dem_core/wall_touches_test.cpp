@@ -263,6 +263,28 @@ TEST(WallTouches, OfBothSidesOfATubeAreTwo) {
   EXPECT_NEAR(two[0].normal.dot(two[1].normal), -1.0, 1e-12);
 }
 
+TEST(Walls, CoaxialSectionsShareAPatchWhereTheyGoOnSmoothlyOnly) {
+  const auto share = [](const scene::Wall& a, const scene::Wall& b) {
+    scene::Case c = empty_case({});
+    c.walls = {a, b};
+    const Walls walls(c);
+    return walls.facet(0).patch == walls.facet(1).patch;
+  };
+  const scene::Wall pipe = cone_wall("pipe", {0, 0, 0}, {0, 0, 1}, 0.1, 0.1);
+  EXPECT_TRUE(share(pipe, cone_wall("on", {0, 0, 1}, {0, 0, 3}, 0.1, 0.1)));
+  EXPECT_TRUE(share(pipe, cone_wall("on, drawn back", {0, 0, 3}, {0, 0, 1}, 0.1, 0.1)));
+  EXPECT_TRUE(share(pipe, cone_wall("before", {0, 0, -2}, {0, 0, 0}, 0.1, 0.1)));
+  EXPECT_FALSE(share(pipe, cone_wall("beyond a gap", {0, 0, 1.01}, {0, 0, 3}, 0.1, 0.1)));
+  EXPECT_FALSE(share(pipe, cone_wall("wider", {0, 0, 1}, {0, 0, 3}, 0.11, 0.11)));
+  EXPECT_FALSE(share(pipe, cone_wall("kink", {0, 0, 1}, {0, 0, 3}, 0.1, 0.11)));
+  EXPECT_FALSE(share(pipe, cone_wall("beside", {0.01, 0, 1}, {0.01, 0, 3}, 0.1, 0.1)));
+  EXPECT_FALSE(share(pipe, cone_wall("askew", {0, 0, 1}, {0.01, 0, 3}, 0.1, 0.1)));
+  const scene::Wall funnel = cone_wall("funnel", {0, 0, 0}, {0, 0, 1}, 0.1, 0.3);
+  EXPECT_TRUE(share(funnel, cone_wall("on", {0, 0, 1}, {0, 0, 1.5}, 0.3, 0.4)));
+  EXPECT_FALSE(share(funnel, cone_wall("back in", {0, 0, 1}, {0, 0, 0.5}, 0.3, 0.4)));
+  EXPECT_FALSE(share(funnel, cone_wall("mirrored", {0, 0, 1}, {0, 0, 2}, 0.3, 0.1)));
+}
+
 TEST(Walls, ATiltingPlaneIsRefused) {
   scene::Case c = empty_case({});
   c.walls = {floor_plane()};

@@ -9,7 +9,8 @@
 namespace repose::dem {
 namespace {
 
-constexpr double kFlat = 1e-12;  // of the cosine: what rounding leaves of coplanar triangles
+constexpr double kFlat = 1e-12;      // of the cosine: what rounding leaves of coplanar triangles
+constexpr double kSamePlace = 1e-9;  // of the size of two facets
 
 Vec3 normal_of(const scene::TriangleMesh& mesh, std::size_t t) {
   return cross(mesh.corner(t, 1) - mesh.corner(t, 0), mesh.corner(t, 2) - mesh.corner(t, 0))
@@ -24,7 +25,52 @@ std::int32_t root(std::vector<std::int32_t>& parent, std::int32_t a) {
   return a;
 }
 
+double size_of(const Facet& facet) {
+  return std::sqrt(facet.uu) + std::sqrt(facet.vv) + facet.end_radius + facet.length;
+}
+
+bool in_one_plane(const Facet& a, const Facet& b) {
+  if (std::abs(a.normal.dot(b.normal)) < 1.0 - kFlat) return false;
+  const Vec3 offset = b.origin - a.origin;
+  return std::abs(offset.dot(a.normal)) <= kSamePlace * (offset.norm() + size_of(a) + size_of(b));
+}
+
+/// One end of a section of revolution: its circle, and the direction in which the surface comes out
+/// of it there: `across` from the axis and `along` a given direction of it.
+struct SectionEnd {
+  Vec3 centre;
+  double radius, across, along;
+};
+
+SectionEnd end_of(const Facet& f, bool is_start, const Vec3& axis) {
+  const double away = is_start ? -1.0 : 1.0;
+  const double slope = f.end_radius - f.start_radius;
+  const double scale = away / std::hypot(slope, f.length);
+  return {is_start ? f.origin : Vec3(f.origin + f.length * f.normal),
+          is_start ? f.start_radius : f.end_radius, slope * scale,
+          f.length * scale * f.normal.dot(axis)};
+}
+
+bool are_joined_sections(const Facet& a, const Facet& b) {
+  if (std::abs(a.normal.dot(b.normal)) < 1.0 - kFlat) return false;
+  const double tolerance = kSamePlace * (size_of(a) + size_of(b));
+  for (const bool start_of_a : {true, false})
+    for (const bool start_of_b : {true, false}) {
+      const SectionEnd p = end_of(a, start_of_a, a.normal);
+      const SectionEnd q = end_of(b, start_of_b, a.normal);
+      if ((p.centre - q.centre).norm() <= tolerance && std::abs(p.radius - q.radius) <= tolerance &&
+          p.across * q.across + p.along * q.along <= -1.0 + kFlat)
+        return true;
+    }
+  return false;
+}
+
 }  // namespace
+
+bool are_one_surface(const Facet& a, const Facet& b) {
+  if (is_flat(a) != is_flat(b)) return false;
+  return is_flat(a) ? in_one_plane(a, b) : are_joined_sections(a, b);
+}
 
 std::vector<std::int32_t> smooth_patches(const scene::TriangleMesh& mesh, double smooth_deg) {
   const double least_cosine = std::cos(smooth_deg * std::numbers::pi / 180.0) - kFlat;

@@ -12,7 +12,6 @@ namespace repose::dem {
 namespace {
 
 constexpr double kSameDirection = 1e-12;  // of the cosine
-constexpr double kSameHeight = 1e-9;      // of the size of two walls
 
 std::size_t index(std::int32_t i) {
   return static_cast<std::size_t>(i);
@@ -43,17 +42,6 @@ std::vector<Facet> facets_of(const scene::Mesh& shape) {
     facets.back().patch = patches[t];
   }
   return facets;
-}
-
-double size_of(const Facet& facet) {
-  return std::sqrt(facet.uu) + std::sqrt(facet.vv) + facet.end_radius;
-}
-
-bool in_one_plane(const Facet& a, const Facet& b) {
-  if (!is_flat(a) || !is_flat(b)) return false;
-  if (std::abs(a.normal.dot(b.normal)) < 1.0 - kSameDirection) return false;
-  const Vec3 offset = b.origin - a.origin;
-  return std::abs(offset.dot(a.normal)) <= kSameHeight * (offset.norm() + size_of(a) + size_of(b));
 }
 
 void refuse_tilting_plane(const scene::Wall& wall, const scene::Case& scene) {
@@ -135,27 +123,35 @@ Walls::Walls(const scene::Case& scene) {
   clear_loads();
 }
 
-/// Numbers the patches of all walls; primitives of one material that lie in one plane and move
-/// alike share theirs.
+/// Numbers the patches of all walls; primitives of one material that move alike and are pieces of
+/// one smooth surface share theirs.
 void Walls::number_patches() {
   std::int32_t next = 0;
-  for (std::size_t w = 0; w < bodies_.size(); ++w) {
-    const WallBody& body = bodies_[w];
-    const bool is_primitive = body.last_facet - body.first_facet == 1;
-    std::int32_t shared = -1;
-    for (std::size_t other = 0; is_primitive && shared < 0 && other < w; ++other) {
-      const WallBody& earlier = bodies_[other];
-      if (earlier.last_facet - earlier.first_facet == 1 && earlier.material == body.material &&
-          earlier.motion.same_as(body.motion) &&
-          in_one_plane(facet(earlier.first_facet), facet(body.first_facet)))
-        shared = facet(earlier.first_facet).patch;
-    }
+  for (WallBody& body : bodies_) {
     const std::int32_t offset = next;
     for (std::int32_t f = body.first_facet; f < body.last_facet; ++f) {
       std::int32_t& patch = facets_[index(f)].patch;
-      patch = shared >= 0 ? shared : offset + patch;
+      patch += offset;
       next = std::max(next, patch + 1);
     }
+  }
+  const auto is_primitive = [](const WallBody& body) {
+    return body.last_facet - body.first_facet == 1;
+  };
+  for (std::size_t w = 0; w < bodies_.size(); ++w)
+    for (std::size_t other = 0; other < w; ++other) {
+      const WallBody& a = bodies_[other];
+      const WallBody& b = bodies_[w];
+      if (is_primitive(a) && is_primitive(b) && a.material == b.material &&
+          a.motion.same_as(b.motion) && are_one_surface(facet(a.first_facet), facet(b.first_facet)))
+        join_patches(facet(a.first_facet).patch, facet(b.first_facet).patch);
+    }
+}
+
+void Walls::join_patches(std::int32_t kept, std::int32_t ended) {
+  for (const WallBody& body : bodies_) {
+    std::int32_t& patch = facets_[index(body.first_facet)].patch;
+    if (patch == ended) patch = kept;  // those of meshes are never joined
   }
 }
 

@@ -84,6 +84,7 @@ class Walls {
 
  private:
   void number_patches();
+  void join_patches(std::int32_t kept, std::int32_t ended);
 
   std::vector<Facet> facets_;
   std::vector<WallBody> bodies_;
