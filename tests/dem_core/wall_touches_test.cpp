@@ -285,6 +285,44 @@ TEST(Walls, CoaxialSectionsShareAPatchWhereTheyGoOnSmoothlyOnly) {
   EXPECT_FALSE(share(funnel, cone_wall("mirrored", {0, 0, 1}, {0, 0, 2}, 0.3, 0.1)));
 }
 
+/// What loading a mesh between the periodic sides y = 0 and y = 0.06 answers, "" if it is taken.
+std::string refusal(const std::vector<scene::Triangle>& triangles) {
+  scene::Case c = empty_case({});
+  c.lower_m.y() = 0.0;
+  c.upper_m.y() = 0.06;
+  c.periodic.y = true;
+  c.walls = {mesh_wall("mesh", triangles)};
+  try {
+    const Walls walls(c);
+    return "";
+  } catch (const InputError& error) {
+    return error.what();
+  }
+}
+
+TEST(Walls, AMeshLiesWithinThePeriodOrGoesOnAsItsImagesDo) {
+  const auto floor = [](double y0, double y1) {
+    return floor_triangles(-0.1, 0.1, y0, y1, 7, 5, 0.4);
+  };
+  EXPECT_EQ(refusal(floor(0.01, 0.05)), "");
+  EXPECT_EQ(refusal(floor(0.0, 0.06)), "");
+  EXPECT_EQ(refusal(floor(-0.01, 0.08)), "");
+  EXPECT_EQ(refusal(scene::box_triangles({0, -0.01, 0}, {0.1, 0.09, 0.03}, 4)), "");
+  for (const auto& wrong : {floor(0.01, 0.07), floor(-0.01, 0.05), floor(0.07, 0.09)})
+    EXPECT_NE(refusal(wrong).find("it must span the period from 0 to 0.06 m of direction y"),
+              std::string::npos)
+        << refusal(wrong);
+  // These reach over the period, but do not look the same at its two sides.
+  std::vector<scene::Triangle> ramp = floor(-0.01, 0.08);
+  for (scene::Triangle& triangle : ramp)
+    for (Vec3& corner : triangle) corner.z() = 0.1 * corner.y();
+  const std::vector<scene::Triangle> single{{Vec3(0, 0, 0), Vec3(0.1, 0, 0), Vec3(0, 0.1, 0)}};
+  for (const auto& wrong : {ramp, single})
+    EXPECT_NE(refusal(wrong).find("wall \"mesh\": its cuts at the two ends of the period differ"),
+              std::string::npos)
+        << refusal(wrong);
+}
+
 TEST(Walls, ATiltingPlaneIsRefused) {
   scene::Case c = empty_case({});
   c.walls = {floor_plane()};

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
+#include "geometry/mesh_period.hpp"
 #include "geometry/smooth_patches.hpp"
 #include "repose/base/error.hpp"
 
@@ -17,32 +17,41 @@ std::size_t index(std::int32_t i) {
   return static_cast<std::size_t>(i);
 }
 
-/// The facets of a shape; patches are numbered from 0 within it.
-std::vector<Facet> facets_of(const scene::Plane& shape) {
-  return {plane_facet(shape.origin, shape.normal)};
-}
-std::vector<Facet> facets_of(const scene::Rectangle& shape) {
-  return {rectangle_facet(shape.origin, shape.edge_u, shape.edge_v)};
-}
-std::vector<Facet> facets_of(const scene::Disc& shape) {
-  return {revolved_facet(shape.centre, shape.normal, shape.inner_radius_m, shape.radius_m, 0.0)};
-}
-std::vector<Facet> facets_of(const scene::Cone& shape) {
-  const Vec3 axis = shape.end - shape.start;
-  return {revolved_facet(shape.start, axis, shape.start_radius_m, shape.end_radius_m, axis.norm())};
-}
-std::vector<Facet> facets_of(const scene::Mesh& shape) {
-  const scene::LoadedMesh loaded = scene::load_mesh(shape);
-  const std::vector<std::int32_t> patches = smooth_patches(loaded.mesh, shape.smooth_deg);
-  std::vector<Facet> facets;
-  facets.reserve(patches.size());
-  for (std::size_t t = 0; t < patches.size(); ++t) {
-    facets.push_back(triangle_facet(loaded.mesh.corner(t, 0), loaded.mesh.corner(t, 1),
-                                    loaded.mesh.corner(t, 2)));
-    facets.back().patch = patches[t];
+/// The facets of a shape, with patches numbered from 0 within it.
+struct FacetsOf {
+  const scene::Case& scene;
+  const std::string& wall;
+  std::optional<scene::MeshReport>& report;  // is set for a mesh
+
+  std::vector<Facet> operator()(const scene::Plane& shape) const {
+    return {plane_facet(shape.origin, shape.normal)};
   }
-  return facets;
-}
+  std::vector<Facet> operator()(const scene::Rectangle& shape) const {
+    return {rectangle_facet(shape.origin, shape.edge_u, shape.edge_v)};
+  }
+  std::vector<Facet> operator()(const scene::Disc& shape) const {
+    return {revolved_facet(shape.centre, shape.normal, shape.inner_radius_m, shape.radius_m, 0.0)};
+  }
+  std::vector<Facet> operator()(const scene::Cone& shape) const {
+    const Vec3 axis = shape.end - shape.start;
+    return {
+        revolved_facet(shape.start, axis, shape.start_radius_m, shape.end_radius_m, axis.norm())};
+  }
+  std::vector<Facet> operator()(const scene::Mesh& shape) const {
+    const scene::LoadedMesh loaded = scene::load_mesh(shape);
+    require_periodic(scene, wall, loaded);
+    report = loaded.report;
+    const std::vector<std::int32_t> patches = smooth_patches(loaded.mesh, shape.smooth_deg);
+    std::vector<Facet> facets;
+    facets.reserve(patches.size());
+    for (std::size_t t = 0; t < patches.size(); ++t) {
+      facets.push_back(triangle_facet(loaded.mesh.corner(t, 0), loaded.mesh.corner(t, 1),
+                                      loaded.mesh.corner(t, 2)));
+      facets.back().patch = patches[t];
+    }
+    return facets;
+  }
+};
 
 void refuse_tilting_plane(const scene::Wall& wall, const scene::Case& scene) {
   const auto* plane = std::get_if<scene::Plane>(&wall.shape);
@@ -101,8 +110,8 @@ Walls::Walls(const scene::Case& scene) {
     const scene::Wall& wall = scene.walls[w];
     refuse_tilting_plane(wall, scene);
     const auto first = static_cast<std::int32_t>(facets_.size());
-    for (Facet& facet :
-         std::visit([](const auto& shape) { return facets_of(shape); }, wall.shape)) {
+    std::optional<scene::MeshReport> report;
+    for (Facet& facet : std::visit(FacetsOf{scene, wall.name, report}, wall.shape)) {
       facet.wall = static_cast<std::int32_t>(w);
       facets_.push_back(facet);
     }
@@ -111,7 +120,8 @@ Walls::Walls(const scene::Case& scene) {
                   .first_facet = first,
                   .last_facet = last,
                   .tree = FacetTree(facets_, first, last),
-                  .motion = WallMotion(scene, w)};
+                  .motion = WallMotion(scene, w),
+                  .report = report};
     if (const auto* mesh = std::get_if<scene::Mesh>(&wall.shape))
       body.smooth_cosine = std::cos(mesh->smooth_deg * std::numbers::pi / 180.0) - kSameDirection;
     body.now = body.motion.at(0.0);

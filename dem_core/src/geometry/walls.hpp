@@ -1,11 +1,13 @@
 // The walls of a simulation: their facets, where they are now and what acts on them.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "geometry/facet_tree.hpp"
 #include "motion/wall_motion.hpp"
+#include "repose/scene/triangle_mesh.hpp"
 
 namespace repose::dem {
 
@@ -22,6 +24,7 @@ struct WallBody {
   Twist half_twist{};  ///< half a step before `now`, the time of the velocities of spheres
   Pose before{};       ///< now, at the last advance()
   Pose listed{};       ///< when the neighbor lists were built
+  std::optional<scene::MeshReport> report{};  ///< on the mesh as it was loaded
 };
 
 /// Sums over steps of what particles do to a wall.
@@ -40,8 +43,8 @@ struct NearFacet {
 /// All walls; each has the facets of its shape in the frame in which it was drawn, and a pose.
 class Walls {
  public:
-  /// Reads the meshes. Throws InputError as scene::load_mesh() and for a plane that turns about
-  /// another axis than its normal.
+  /// Reads the meshes. Throws InputError as scene::load_mesh() and require_periodic(), and for a
+  /// plane that turns about another axis than its normal.
   explicit Walls(const scene::Case& scene);
 
   std::size_t size() const { return bodies_.size(); }

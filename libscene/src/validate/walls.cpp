@@ -128,7 +128,8 @@ struct PeriodCheck {
                        shortest(span.upper) + " m; it must span " + period() + " or lie within it");
     leaves(span);
   }
-  void operator()(const Mesh&) const {}  // its extent is known when the file is loaded
+  void operator()(const Mesh&) const {
+  }  // its extent is known when the file is loaded, and checked there
 };
 
 }  // namespace
