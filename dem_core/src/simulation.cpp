@@ -66,6 +66,13 @@ std::vector<scene::WallPose> Simulation::wall_poses() const {
   return poses;
 }
 
+std::vector<std::optional<scene::MeshReport>> Simulation::mesh_reports() const {
+  std::vector<std::optional<scene::MeshReport>> reports;
+  for (std::size_t w = 0; w < state_->walls.size(); ++w)
+    reports.push_back(state_->walls.at(w).report);
+  return reports;
+}
+
 std::int64_t Simulation::steps() const {
   return state_->steps;
 }

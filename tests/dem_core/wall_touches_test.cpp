@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "mesh_walls.hpp"
+#include "output/records.hpp"
 #include "repose/base/error.hpp"
 
 namespace repose::dem {
@@ -321,6 +322,19 @@ TEST(Walls, AMeshLiesWithinThePeriodOrGoesOnAsItsImagesDo) {
     EXPECT_NE(refusal(wrong).find("wall \"mesh\": its cuts at the two ends of the period differ"),
               std::string::npos)
         << refusal(wrong);
+}
+
+TEST(Walls, TellTheLogOfTheirMeshesWithoutReadingTheFilesAgain) {
+  scene::Case c = empty_case({});
+  const scene::Wall mesh = mesh_wall("slab", scene::box_triangles({0, 0, 0}, {1, 2, 3}));
+  c.walls = {floor_plane(), mesh};
+  c.particles = {grain(0.01, {-1, 0, 1})};
+  Simulation sim(c);
+  std::filesystem::remove(std::get<scene::Mesh>(mesh.shape).file);
+  const std::string last = head_of_log(c, sim).back();
+  EXPECT_EQ(last.find("mesh \"slab\": 12 triangles, 8 corners"), 0u) << last;
+  EXPECT_FALSE(sim.mesh_reports()[0]);
+  EXPECT_NEAR(sim.mesh_reports()[1]->volume_m3.value(), 6.0, 1e-14);
 }
 
 TEST(Walls, ATiltingPlaneIsRefused) {

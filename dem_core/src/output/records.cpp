@@ -109,10 +109,11 @@ std::vector<std::string> head_of_log(const scene::Case& scene, Simulation& sim) 
         "pair {} - {}: restitution {}, mu_s {}, mu_r {}, rolling damping {}, cohesion {} J/m^3",
         p.first, p.second, shortest(p.restitution), shortest(p.mu_s), shortest(p.mu_r),
         shortest(p.rolling_damping), shortest(p.cohesion_energy_density_j_m3)));
-  for (const scene::Wall& wall : scene.walls)
-    if (const auto* mesh = std::get_if<scene::Mesh>(&wall.shape))
-      lines.push_back(fmt::format("mesh \"{}\": {}", wall.name,
-                                  scene::mesh_report_text(scene::load_mesh(*mesh).report)));
+  const auto reports = sim.mesh_reports();
+  for (std::size_t w = 0; w < reports.size(); ++w)
+    if (reports[w])
+      lines.push_back(fmt::format("mesh \"{}\": {}", scene.walls[w].name,
+                                  scene::mesh_report_text(*reports[w])));
   return lines;
 }
 

@@ -5,11 +5,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "repose/dem/contact_law.hpp"
 #include "repose/scene/run_records.hpp"
+#include "repose/scene/triangle_mesh.hpp"
 
 namespace repose::dem {
 
@@ -109,6 +111,8 @@ class Simulation {
   std::vector<WallLoad> take_wall_loads();
   /// Where the walls are, in the order of the case.
   std::vector<scene::WallPose> wall_poses() const;
+  /// What the meshes among the walls are, in the order of the case; none for other shapes.
+  std::vector<std::optional<scene::MeshReport>> mesh_reports() const;
   /// Neighbor list builds so far.
   std::int64_t rebuilds() const;
   /// Pairs of ids in the neighbor list, smaller first, sorted; for tests.
