@@ -250,6 +250,16 @@ TEST(Simulation, RefusesAStepInWhichTheFastestParticleJumps) {
   }
 }
 
+TEST(Simulation, StartsWithoutAKickFromAFastWallThatHasNoFriction) {
+  scene::Case c = empty_case({.restitution = 0.5});
+  c.walls = {floor_plane()};
+  c.motions = {{.walls = {"floor"}, .path = scene::Translation{.velocity_m_s = {5, 0, 0}}}};
+  c.particles = {grain(0.01, {0, 0, 0.0099})};
+  Simulation sim(c);
+  sim.step(50);
+  EXPECT_EQ(sim.spheres()[0].velocity.x(), 0.0);
+}
+
 TEST(Simulation, StopsWhenASphereJumps) {
   scene::Case c = empty_case({});
   c.gravity_m_s2.z() = -1e9;

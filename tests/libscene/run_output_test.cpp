@@ -141,7 +141,7 @@ TEST(RunOutput, KeepsTheEnergyLedger) {
   writer.add_row(row);
   writer.finish({});
   const table::Table table = read_run(scratch.path).energy();
-  EXPECT_EQ(table.columns().size(), 16u);
+  EXPECT_EQ(table.columns().size(), 17u);
   EXPECT_EQ(table.numbers("kinetic_rotational_j")[0], 2.0);
   EXPECT_EQ(table.numbers("dissipated_sliding_j")[0], 1.0 / 3.0);
   EXPECT_EQ(table.numbers("error_j")[0], 1e-17);

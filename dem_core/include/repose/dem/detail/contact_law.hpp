@@ -161,7 +161,10 @@ template <class Energies>
   turning.add(sliding * dt, xi);
   const double stiffness = 8.0 * law.g_eff * a;
   const double xi2 = xi.squaredNorm();
-  if (stiffness * stiffness * xi2 > limit * limit) {
+  if (law.mu_s == 0.0) {  // nor does damping act, even at the start, when nothing has slipped yet
+    xi.setZero();
+    result.tangential.setZero();
+  } else if (stiffness * stiffness * xi2 > limit * limit) {
     const double length = std::sqrt(xi2);
     xi *= limit / (stiffness * length);
     result.tangential = -stiffness * xi;
