@@ -300,18 +300,22 @@ Table appended(const Table& first, const Table& second, Unmatched unmatched) {
   return result;
 }
 
-Table with_role(Table table, const std::string& name, Role role) {
-  const bool needs_numbers = role == Role::factor || role == Role::response ||
-                             role == Role::variance || role == Role::weight;
-  if (needs_numbers && is_text(table.column(name)))
-    throw InputError(fmt::format("column \"{}\" holds text and cannot be a {}; numbers are needed",
-                                 name, role_name(role)));
+Table with_roles(const Table& table, const std::map<std::string, Role>& roles) {
+  for (const auto& [name, role] : roles) {
+    const bool needs_numbers = role == Role::factor || role == Role::response ||
+                               role == Role::variance || role == Role::weight;
+    if (is_text(table.column(name)) && needs_numbers)
+      throw InputError(
+          fmt::format("column \"{}\" holds text and cannot be a {}; numbers are needed", name,
+                      role_name(role)));
+  }
   Table result;
   for (Column column : table.columns()) {
-    if (column.name == name) column.role = role;
+    if (const auto found = roles.find(column.name); found != roles.end())
+      column.role = found->second;
     result.add(std::move(column));
   }
-  result.attributes = std::move(table.attributes);
+  result.attributes = table.attributes;
   return result;
 }
 

@@ -188,11 +188,15 @@ TEST(Appended, RefusesOtherUnitsAndTypes) {
   EXPECT_THROW(appended(numbers, texts), InputError);
 }
 
-TEST(WithRole, ChangesOneColumnAndRefusesTextAsANumber) {
-  const Table table = with_role(runs(), "run", Role::replicate);
+TEST(WithRoles, ChangesTheNamedColumnsAndRefusesTextAsANumber) {
+  const Table table = with_roles(runs(), {{"run", Role::replicate}, {"angle_deg", Role::none}});
   EXPECT_EQ(table.names(), runs().names());
   EXPECT_EQ(table.names_with_role(Role::replicate), Texts{"run"});
-  EXPECT_THROW(with_role(runs(), "lab", Role::factor), InputError);
+  EXPECT_EQ(table.names_with_role(Role::response), Texts{});
+  EXPECT_EQ(table.names_with_role(Role::group), Texts{"lab"});
+  EXPECT_EQ(table.attributes, runs().attributes);
+  EXPECT_THROW(with_roles(runs(), {{"lab", Role::factor}}), InputError);
+  EXPECT_THROW(with_roles(runs(), {{"laboratory", Role::group}}), InputError);
 }
 
 }  // namespace

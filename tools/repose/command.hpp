@@ -32,5 +32,7 @@ void add_fit(CLI::App& app);
 void add_predict(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_table(CLI::App& app);
+/// import and export, below `repose table`.
+void add_table_conversions(CLI::App& table);
 
 }  // namespace repose::cli

@@ -149,7 +149,8 @@ void show(const ShowOptions& options) {
 }  // namespace
 
 void add_table(CLI::App& app) {
-  auto* group = app.add_subcommand("table", "Looks at tables in HDF5 and CSV files");
+  auto* group =
+      app.add_subcommand("table", "Shows, imports and exports tables in HDF5 and CSV files");
   group->require_subcommand(1);
   auto options = std::make_shared<ShowOptions>();
   auto* command = add_command(*group, "show", "Columns, units, roles, ranges and the first rows",
@@ -160,6 +161,7 @@ void add_table(CLI::App& app) {
       ->capture_default_str()
       ->check(CLI::Range(0, 1000000));
   command->callback([options] { show(*options); });
+  add_table_conversions(*group);
 }
 
 }  // namespace repose::cli

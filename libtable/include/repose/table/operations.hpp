@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -55,8 +56,7 @@ enum class Unmatched { refuse, missing };
 /// together are decimal numbers. Throws InputError for columns of different unit or type.
 Table appended(const Table& first, const Table& second, Unmatched unmatched = Unmatched::refuse);
 
-/// Gives a column another role. Throws InputError for a text as factor, response, variance or
-/// weight.
-Table with_role(Table table, const std::string& name, Role role);
+/// Gives columns other roles. Throws InputError for a text as factor, response, variance or weight.
+Table with_roles(const Table& table, const std::map<std::string, Role>& roles);
 
 }  // namespace repose::table
