@@ -7,6 +7,7 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <boost/math/special_functions/beta.hpp>
+#include <boost/math/special_functions/erf.hpp>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -85,6 +86,14 @@ double t_test_power(double effect, double df, double alpha) {
       power += boost::math::quadrature::gauss_kronrod<double, 61>::integrate(
           integrand, nodes[i - 1], nodes[i], 10, 1e-12);
   return std::clamp(power, 0.0, 1.0);
+}
+
+Vector half_normal_quantiles(int count) {
+  if (count < 0) throw InputError(fmt::format("half-normal quantiles: a count of {}", count));
+  Vector quantiles(count);
+  for (int i = 0; i < count; ++i)  // Phi^-1(1/2 + p/2) = sqrt(2) erf^-1(p)
+    quantiles(i) = std::sqrt(2.0) * boost::math::erf_inv((i + 0.5) / count);
+  return quantiles;
 }
 
 }  // namespace repose::doe

@@ -35,23 +35,18 @@ Repetition surviving_runs(const Matrix& coded, const Vector& y) {
   return repetition;
 }
 
-struct FinalModel {
-  std::vector<Term> terms;
-  Vector p;  ///< of the terms
-};
-
 FinalModel final_model(const Repetition& repetition, const std::vector<std::string>& factors,
                        const ScreeningOptions& options) {
   if (options.method == ScreeningOptions::Method::fit_dsd) {
     const FitDsdResult result =
         fit_definitive_screening(repetition.coded, repetition.y, factors, options.fit_dsd);
-    return {result.terms, result.fit.p.tail(static_cast<Eigen::Index>(result.terms.size()))};
+    return {result.terms, result.fit};
   }
   const StepwiseResult result =
       stepwise_regression(repetition.coded, repetition.y, factors,
                           candidate_terms(static_cast<int>(factors.size()), options.candidates),
-                          {options.direction, options.rule, options.alpha, options.alpha});
-  return {result.terms, result.fit.p.tail(static_cast<Eigen::Index>(result.terms.size()))};
+                          {options.direction, options.rule, options.alpha, options.p_leave});
+  return {result.terms, result.fit};
 }
 
 /// p of the main effect if it were added to the model; 1 if it cannot be.
@@ -73,13 +68,13 @@ double p_of_factor(const Repetition& repetition, const FinalModel& model, int fa
   double smallest = kNaN;
   for (std::size_t j = 0; j < model.terms.size(); ++j)
     if (model.terms[j].contains(factor))
-      smallest = std::fmin(smallest, model.p(static_cast<Eigen::Index>(j)));
+      smallest = std::fmin(smallest, model.fit.p(static_cast<Eigen::Index>(j) + 1));
   return std::isnan(smallest) ? p_if_added(repetition, model.terms, factor) : smallest;
 }
 
 bool is_significant(const FinalModel& model, int factor, double alpha) {
   for (std::size_t j = 0; j < model.terms.size(); ++j)
-    if (model.terms[j].contains(factor) && model.p(static_cast<Eigen::Index>(j)) < alpha)
+    if (model.terms[j].contains(factor) && model.fit.p(static_cast<Eigen::Index>(j) + 1) < alpha)
       return true;
   return false;
 }
@@ -93,12 +88,13 @@ double median(Vector values) {
 /// Main effects of all repetitions together, tested against the variance within runs. The fit to
 /// the runs' means, weighted by their number of values, has the coefficients of the fit to all
 /// values.
-Vector pooled_p_values(const Matrix& coded, const Matrix& values,
-                       const VarianceDecomposition& variance,
-                       const std::vector<std::string>& factors) {
+void pool(const Matrix& coded, const Matrix& values, const std::vector<std::string>& factors,
+          ResponseScreening& result) {
+  const VarianceDecomposition& variance = result.variance;
   const auto k = static_cast<Eigen::Index>(factors.size());
   const int within_df = variance.observations - variance.runs;
-  if (within_df == 0) return Vector::Constant(k, kNaN);
+  result.pooled_p_value = result.pooled_standard_error = Vector::Constant(k, kNaN);
+  if (within_df == 0) return;
   const std::vector<Term> terms =
       candidate_terms(static_cast<int>(k), CandidateTerms::main_effects);
   const Matrix all = model_matrix(coded, terms);
@@ -114,12 +110,11 @@ Vector pooled_p_values(const Matrix& coded, const Matrix& values,
     y(row++) = std::sqrt(count) * (sum / count);
   }
   const LeastSquaresFit fit = fit_least_squares(x, y, column_names(terms, factors));
-  Vector p(k);
-  for (Eigen::Index j = 0; j < k; ++j)
-    p(j) = t_two_sided(fit.coefficients(j + 1) /
-                           std::sqrt(fit.unscaled_covariance(j + 1, j + 1) * variance.within_ms),
-                       within_df);
-  return p;
+  for (Eigen::Index j = 0; j < k; ++j) {
+    const double error = std::sqrt(fit.unscaled_covariance(j + 1, j + 1) * variance.within_ms);
+    result.pooled_standard_error(j) = error;
+    result.pooled_p_value(j) = t_two_sided(fit.coefficients(j + 1) / error, within_df);
+  }
 }
 
 void check_input(const Matrix& coded, const std::vector<std::string>& factors,
@@ -144,8 +139,10 @@ void check_input(const Matrix& coded, const std::vector<std::string>& factors,
       throw InputError(fmt::format(
           "screening: response {} has an infinite value; mark failed runs as NaN", names[r]));
   }
-  if (!(options.alpha > 0.0 && options.alpha < 1.0))
-    throw InputError(fmt::format("screening: alpha = {} is not in (0, 1)", options.alpha));
+  for (const double threshold : {options.alpha, options.p_leave})
+    if (!(threshold > 0.0 && threshold < 1.0))
+      throw InputError(
+          fmt::format("screening: the threshold {} of p values is not in (0, 1)", threshold));
 }
 
 void require_enough_runs(const Repetition& repetition, std::size_t factors,
@@ -163,10 +160,10 @@ ResponseScreening screen_response(const Matrix& coded, const std::vector<std::st
   const int k = static_cast<int>(factors.size());
   const Eigen::Index repetitions = values.cols();
   const std::vector<Term> main_effects = candidate_terms(k, CandidateTerms::main_effects);
-  Matrix p(k, repetitions), effect(k, repetitions);
+  Matrix effect(k, repetitions);
   ResponseScreening result;
   result.response = name;
-  result.count = Vector::Zero(k);
+  result.significant = result.p_values = Matrix::Zero(k, repetitions);
   for (Eigen::Index r = 0; r < repetitions; ++r) {
     const Repetition repetition = surviving_runs(coded, values.col(r));
     require_enough_runs(repetition, factors.size(), name, r);
@@ -182,21 +179,61 @@ ResponseScreening screen_response(const Matrix& coded, const std::vector<std::st
                       name, r + 1, repetition.y.size(), coded.rows(), error.what()));
     }
     for (int factor = 0; factor < k; ++factor) {
-      p(factor, r) = p_of_factor(repetition, model, factor);
-      if (is_significant(model, factor, options.alpha)) result.count(factor) += 1.0;
+      result.p_values(factor, r) = p_of_factor(repetition, model, factor);
+      result.significant(factor, r) = is_significant(model, factor, options.alpha) ? 1.0 : 0.0;
     }
-    result.models.push_back(std::move(model.terms));
+    result.models.push_back(std::move(model));
   }
   result.effect = effect.rowwise().mean();
   result.sign = result.effect.array().sign();
   result.p_value = Vector(k);
-  for (int factor = 0; factor < k; ++factor) result.p_value(factor) = median(p.row(factor));
+  for (int factor = 0; factor < k; ++factor)
+    result.p_value(factor) = median(result.p_values.row(factor));
+  result.count = result.significant.rowwise().sum();
   result.variance = decompose_variance(values);
-  result.pooled_p_value = pooled_p_values(coded, values, result.variance, factors);
+  pool(coded, values, factors, result);
   return result;
 }
 
+void adjust_pooled_tests(std::vector<ResponseScreening>& responses, Eigen::Index factors) {
+  Vector p(static_cast<Eigen::Index>(responses.size()) * factors);
+  Eigen::Index from = 0;
+  for (const ResponseScreening& response : responses) {
+    p.segment(from, factors) = response.pooled_p_value;
+    from += factors;
+  }
+  const Vector rates = false_discovery_rates(p);
+  from = 0;
+  for (ResponseScreening& response : responses) {
+    response.false_discovery_rate = rates.segment(from, factors);
+    from += factors;
+  }
+}
+
 }  // namespace
+
+Vector false_discovery_rates(const Vector& p) {
+  std::vector<Eigen::Index> order;
+  for (Eigen::Index i = 0; i < p.size(); ++i) {
+    if (std::isnan(p(i))) continue;
+    if (!(p(i) >= 0.0 && p(i) <= 1.0))
+      throw InputError(
+          fmt::format("false-discovery rate: test {} has the p value {}; it must lie "
+                      "in [0, 1]",
+                      i + 1, p(i)));
+    order.push_back(i);
+  }
+  std::sort(order.begin(), order.end(), [&](auto a, auto b) { return p(a) > p(b); });
+  const auto m = static_cast<double>(order.size());
+  Vector rates = Vector::Constant(p.size(), kNaN);
+  double smallest = 1.0, rank = m;  // the largest p first
+  for (const Eigen::Index i : order) {
+    smallest = std::min(smallest, p(i) * m / rank);
+    rates(i) = smallest;
+    rank -= 1.0;
+  }
+  return rates;
+}
 
 std::vector<bool> vote(const std::vector<Vector>& counts, int repetitions, double share) {
   if (!(share > 0.0 && share <= 1.0))
@@ -227,6 +264,7 @@ Screening screen(const Matrix& coded, const std::vector<std::string>& factors,
         screen_response(coded, factors, response_names[r], responses[r], options));
     counts.push_back(screening.responses.back().count);
   }
+  adjust_pooled_tests(screening.responses, coded.cols());
   screening.selected = vote(counts, screening.repetitions, options.vote_share);
   return screening;
 }

@@ -176,5 +176,16 @@ TEST(DesignCheck, FindsOtherLevelsSeveralZerosAndConfoundedFactors) {
   EXPECT_THROW(check_design(Matrix::Constant(3, 2, std::nan(""))), InputError);
 }
 
+TEST(HalfNormalQuantiles, AreWhereTheNormalDistributionHasTheirProbability) {
+  for (const int count : {1, 2, 15, 500}) {
+    const Vector q = half_normal_quantiles(count);
+    ASSERT_EQ(q.size(), count);
+    for (int i = 0; i < count; ++i)
+      EXPECT_NEAR(std::erf(q(i) / std::sqrt(2.0)), (i + 0.5) / count, 1e-14);
+  }
+  EXPECT_EQ(half_normal_quantiles(0).size(), 0);
+  EXPECT_THROW(half_normal_quantiles(-1), InputError);
+}
+
 }  // namespace
 }  // namespace repose::doe

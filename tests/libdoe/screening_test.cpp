@@ -51,6 +51,38 @@ TEST(Vote, CountsAShareOfTenRepetitionsWithoutRounding) {
   EXPECT_THROW(vote({}, 10, 0.5), InputError);
 }
 
+TEST(FalseDiscoveryRates, AreThePValuesAdjustedByBenjaminiAndHochberg) {
+  // The 15 p values of [BenjaminiHochberg1995], section 3.2; at rate 0.05 the first four are found.
+  Vector p(15);
+  p << 0.0001, 0.0004, 0.0019, 0.0095, 0.0201, 0.0278, 0.0298, 0.0344, 0.0459, 0.3240, 0.4262,
+      0.5719, 0.6528, 0.7590, 1.0;
+  const Vector rates = false_discovery_rates(p);
+  EXPECT_EQ((rates.array() <= 0.05).count(), 4);
+  EXPECT_DOUBLE_EQ(rates(3), 0.0095 * 15 / 4);
+  EXPECT_DOUBLE_EQ(rates(4), 0.0201 * 15 / 5);
+  EXPECT_DOUBLE_EQ(rates(5), 0.0298 * 15 / 7);  // that of the seventh is smaller than its own
+  EXPECT_EQ(rates(14), 1.0);
+  const Vector reversed = false_discovery_rates(p.reverse());
+  EXPECT_EQ(reversed, rates.reverse());
+  Vector with_gap(2);
+  with_gap << std::nan(""), 0.03;
+  EXPECT_TRUE(std::isnan(false_discovery_rates(with_gap)(0)));
+  EXPECT_EQ(false_discovery_rates(with_gap)(1), 0.03);
+  EXPECT_THROW(false_discovery_rates(Vector::Constant(1, 1.5)), InputError);
+}
+
+TEST(Screening, AdjustsThePooledTestsOfAllResponsesTogether) {
+  const Matrix x = definitive_screening_design(5).coded;
+  const Screening result =
+      screen(x, letters(5), {"one", "two"},
+             {noisy(2.0 * x.col(0), 3, 1.0, 3), noisy(Vector::Zero(x.rows()), 3, 1.0, 5)});
+  Vector p(10);
+  p << result.responses[0].pooled_p_value, result.responses[1].pooled_p_value;
+  const Vector rates = false_discovery_rates(p);
+  EXPECT_EQ(result.responses[0].false_discovery_rate, rates.head(5));
+  EXPECT_EQ(result.responses[1].false_discovery_rate, rates.tail(5));
+}
+
 class ScreeningMethod : public testing::TestWithParam<Method> {};
 
 TEST_P(ScreeningMethod, RecoversKnownFactorsFromNoisyResponses) {
@@ -92,8 +124,8 @@ TEST(Screening, OfNoiseFindsAFactorAsOftenAsDerived) {
       screen(x, letters(15), {"noise"}, {noisy(Vector::Zero(37), trials, 1.0, 23)},
              {.candidates = CandidateTerms::main_effects});
   int with_a_factor = 0;
-  for (const std::vector<Term>& model : result.responses[0].models)
-    with_a_factor += model.empty() ? 0 : 1;
+  for (const FinalModel& model : result.responses[0].models)
+    with_a_factor += model.terms.empty() ? 0 : 1;
   const double rate = static_cast<double>(with_a_factor) / trials;
   const double four_deviations = 4.0 * std::sqrt(0.15 * 0.85 / trials);  // false alarm 6e-5
   EXPECT_GT(rate, 0.15 - 0.0105 - four_deviations);
@@ -153,15 +185,15 @@ TEST(Screening, LeavesAFailedRunOutOfItsRepetitionOnly) {
   for (const Method method : {Method::stepwise, Method::fit_dsd}) {
     const Screening whole = screen(x, letters(6), {"y"}, {y}, {.method = method});
     const Screening failed = screen(x, letters(6), {"y"}, {with_failure}, {.method = method});
-    EXPECT_EQ(failed.responses[0].models[0], whole.responses[0].models[0]);
-    EXPECT_EQ(failed.responses[0].models[2], whole.responses[0].models[2]);
+    EXPECT_EQ(failed.responses[0].models[0].terms, whole.responses[0].models[0].terms);
+    EXPECT_EQ(failed.responses[0].models[2].terms, whole.responses[0].models[2].terms);
     EXPECT_TRUE(failed.selected[4]);
     EXPECT_EQ(failed.responses[0].variance.observations, 3 * 17 - 1);
   }
   const Screening shortened =
       screen(x.bottomRows(16), letters(6), {"y"}, {Matrix(y.bottomRows(16).col(1))});
   const Screening failed = screen(x, letters(6), {"y"}, {with_failure});
-  EXPECT_EQ(failed.responses[0].models[1], shortened.responses[0].models[0]);
+  EXPECT_EQ(failed.responses[0].models[1].terms, shortened.responses[0].models[0].terms);
 }
 
 TEST(Screening, SaysHowManyRunsARepetitionNeeds) {

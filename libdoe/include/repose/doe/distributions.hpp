@@ -1,6 +1,8 @@
 // Tail probabilities of the tests, accurate far into the tail, and the power of the t test.
 #pragma once
 
+#include "repose/base/parameter_space.hpp"
+
 namespace repose::doe {
 
 /// P(F > f) for Fisher's F with (df1, df2) degrees of freedom; relative error below 1e-12 down to
@@ -18,5 +20,10 @@ double t_critical(double alpha, double df);
 /// degrees of freedom and noncentrality effect^2. Error below 1e-9. Throws InputError unless
 /// 0 < alpha < 1, df >= 1 and `effect` is finite.
 double t_test_power(double effect, double df, double alpha);
+
+/// Where the absolute values of `count` normal numbers of deviation 1 lie when sorted, for a
+/// half-normal plot: Phi^-1(1/2 + (i - 1/2)/(2 count)), i = 1 ... count [Daniel1959]. Throws
+/// InputError if count < 0.
+Vector half_normal_quantiles(int count);
 
 }  // namespace repose::doe

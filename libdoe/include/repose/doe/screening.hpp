@@ -13,9 +13,13 @@ namespace repose::doe {
 struct ScreeningOptions {
   enum class Method { stepwise, fit_dsd };
   Method method = Method::stepwise;
-  /// A term is significant if its p < alpha in the final model; in (0, 1). Also the stepwise
-  /// thresholds.
+  /// A term is significant if its p < alpha in the final model; in (0, 1). Also the threshold of
+  /// entering in stepwise regression.
   double alpha = 0.01;
+  /// A term leaves the stepwise model if its p is above this; in (0, 1), raised to alpha if below
+  /// it. Larger than alpha, terms that stand out little do not inflate the error of those that
+  /// stay.
+  double p_leave = 0.1;
   /// A factor is selected if, for one response at least, it is significant in this share of the
   /// repetitions; in (0, 1].
   double vote_share = 0.8;
@@ -25,20 +29,32 @@ struct ScreeningOptions {
   FitDsdOptions fit_dsd = {};                                         ///< fit_dsd only
 };
 
+/// What the analysis of one repetition ended with.
+struct FinalModel {
+  std::vector<Term> terms;
+  LeastSquaresFit fit;  ///< of intercept and terms, in this order
+};
+
 /// One response; vectors have one value a factor.
 struct ResponseScreening {
   std::string response;
   Vector count;  ///< repetitions in which the factor or a term that contains it is significant
-  Vector sign;   ///< of `effect`: -1, 0 or 1
+  Matrix significant;  ///< factors x repetitions: 1 where it is, else 0
+  Matrix p_values;     ///< factors x repetitions, of which `p_value` is the median
+  Vector sign;         ///< of `effect`: -1, 0 or 1
   /// Median over repetitions of the smallest p of the factor's terms in the final model; of its
   /// main effect if it were added, when it has none there.
   Vector p_value;
   /// Of the main effect in the fit of all repetitions together, tested against the variance between
   /// repetitions of a run; NaN without repetitions.
   Vector pooled_p_value;
+  /// The smallest false-discovery rate at which the pooled test calls the factor active, all
+  /// factors and responses of the screening being one family [BenjaminiHochberg1995].
+  Vector false_discovery_rate;
+  Vector pooled_standard_error;  ///< of the main effect in that fit; NaN without repetitions
   Vector effect;  ///< coefficient of the main effect in coded units, mean over repetitions
   VarianceDecomposition variance;
-  std::vector<std::vector<Term>> models;  ///< final model of each repetition
+  std::vector<FinalModel> models;  ///< of the repetitions
 };
 
 struct Screening {
@@ -55,6 +71,11 @@ struct Screening {
 Screening screen(const Matrix& coded, const std::vector<std::string>& factors,
                  const std::vector<std::string>& response_names,
                  const std::vector<Matrix>& responses, const ScreeningOptions& options = {});
+
+/// Adjusted p values p_(i) min_{j >= i} m/j p_(j) of m tests [BenjaminiHochberg1995]: those below q
+/// have an expected share of at most q that is false. NaN stays NaN and does not count. Throws
+/// InputError for a value outside [0, 1].
+Vector false_discovery_rates(const Vector& p);
 
 /// Factor i is selected if counts[r][i] >= share * repetitions for one response r at least
 /// [Hadi2026, section 5.3.3]. Throws InputError if lengths differ or share is not in (0, 1].
