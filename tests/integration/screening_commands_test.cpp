@@ -1,9 +1,11 @@
 // The commands around screening designs as a user meets them: design check, screen, variance.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "program.hpp"
+#include "repose/base/random.hpp"
 #include "repose/table/io.hpp"
 
 namespace repose {
@@ -114,6 +116,142 @@ TEST(DesignCheckCommand, SaysWhatIsWrongWithATable) {
   expect_refused("constant.csv --columns c", "c");
   expect_refused("constant.csv --factors narrow.toml", "row 2: b = 3 is outside its range");
   EXPECT_EQ(bench.run("repose", "design check missing.csv").code, 6);
+}
+
+/// Five repetitions of Table B.2's runs, in the coded units of the table: the angle depends on
+/// mu_s_pp and mu_r_ss, the flow on nothing. Rows of the repetitions are mixed.
+void write_screening_table(const Workbench& bench) {
+  const auto design = table::read_table({REPOSE_TEST_DATA "/doe/dsd_15_factors_coded.csv", ""});
+  std::vector<std::size_t> rows;
+  std::vector<std::int64_t> repetition;
+  for (std::size_t run = 0; run < design.rows(); ++run)
+    for (int r = 0; r < 5; ++r) {
+      rows.push_back(run);
+      repetition.push_back(10 - r);
+    }
+  auto source = design.selected_rows(rows);
+  table::Table table;
+  for (const auto& c : source.columns())
+    if (c.name != "foldover_partner" && c.name != "role") table.add(c);
+  RandomStream random(12);
+  std::vector<double> angle, flow;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    angle.push_back(40.0 + 3.0 * source.numbers("mu_s_pp")[i] - 2.0 * source.numbers("mu_r_ss")[i] +
+                    random.normal());
+    flow.push_back(1.0 + 0.1 * random.normal());
+  }
+  flow[3] = std::nan("");  // a failed run
+  table.add({.name = "repetition", .range = {}, .values = repetition});
+  table.add({.name = "angle", .range = {}, .values = angle});
+  table.add({.name = "flow/1", .range = {}, .values = flow});
+  table::write_table({bench / "runs.csv", ""}, table);
+  table::Table named;
+  for (auto c : table.columns()) {
+    if (c.name == "flow/1") c.name = "flow";  // no "/" in names of HDF5
+    named.add(c);
+  }
+  table::write_table({bench / "runs.h5", "/runs"}, named);
+}
+
+TEST(ScreenCommand, FindsTheFactorsThatMatterInBothKindsOfTable) {
+  const Workbench bench;
+  write_screening_table(bench);
+  for (const std::string method : {"stepwise", "fit-dsd", "stepwise --terms second-order"}) {
+    json results[2];
+    int i = 0;
+    for (const std::string arguments :
+         {"runs.csv --response angle,flow/1", "runs.h5 --response angle,flow"}) {
+      const auto said = bench.run(
+          "repose", "screen --json --replicate repetition --method " + method + " " + arguments);
+      ASSERT_EQ(said.code, 0) << said.err;
+      results[i] = json::parse(said.out);
+      EXPECT_EQ(results[i]["selected"], json({"mu_s_pp", "mu_r_ss"}));
+      EXPECT_EQ(results[i]["runs"], 37);
+      EXPECT_EQ(results[i]["repetitions"], json({"6", "7", "8", "9", "10"}));
+      ++i;
+    }
+    EXPECT_EQ(results[0]["responses"][0], results[1]["responses"][0]);
+    const auto& angle = results[0]["responses"][0];
+    // Five standard errors of the mean of five repetitions, 34 levels that are not 0 in each.
+    EXPECT_NEAR(angle["factors"][0]["effect"].get<double>(), 3.0, 5.0 / std::sqrt(34.0 * 5.0));
+    EXPECT_EQ(angle["factors"][0]["times_significant"], 5);
+    EXPECT_LT(angle["factors"][0]["pooled_p"], 1e-20);
+    EXPECT_LT(angle["factors"][0]["false_discovery_rate"], 1e-19);
+    EXPECT_EQ(angle["models"].size(), 5u);
+    EXPECT_EQ(angle["models"][0]["terms"][0]["term"], "1");
+    EXPECT_EQ(angle["variance"]["observations"], 185);
+    EXPECT_NEAR(angle["variance"]["noise_floor"].get<double>(), 36.0 / 184.0, 1e-15);
+    EXPECT_EQ(results[0]["responses"][1]["variance"]["observations"], 184);
+  }
+}
+
+TEST(ScreenCommand, PrintsTablesAndDrawsFigures) {
+  const Workbench bench;
+  write_screening_table(bench);
+  const auto said = bench.run(
+      "repose", "screen runs.csv --response angle,flow/1 --replicate repetition --plots plots");
+  EXPECT_EQ(said.code, 0) << said.err;
+  expect_readable(said.out);
+  EXPECT_NE(said.out.find("Selected, in 80 % of the repetitions for one response at least:\n"
+                          "  mu_s_pp mu_r_ss\n"),
+            std::string::npos)
+      << said.out;
+  EXPECT_NE(said.out.find("(noise alone: 19.6 %)"), std::string::npos) << said.out;
+  for (const char* figure : {"half_normal_angle.svg", "half_normal_flow_1.svg",
+                             "main_effects_angle.svg", "main_effects_flow_1.svg"}) {
+    const auto text = test::text_of(bench / "plots" / figure);
+    EXPECT_EQ(text.rfind("</svg>\n"), text.size() - 7) << figure;
+  }
+  const auto figure = test::text_of(bench / "plots" / "half_normal_angle.svg");
+  EXPECT_NE(figure.find("mu_s_pp"), std::string::npos);
+  EXPECT_EQ(figure.find("mu_r_pp"), std::string::npos);
+}
+
+TEST(ScreenCommand, SaysWhatItCannotAnalyse) {
+  const Workbench bench;
+  write_screening_table(bench);
+  const auto expect_refused = [&](const std::string& arguments, const std::string& reason) {
+    const auto said = bench.run("repose", "screen " + arguments);
+    EXPECT_EQ(said.code, 3) << arguments;
+    EXPECT_NE(said.err.find(reason), std::string::npos) << said.err;
+    EXPECT_TRUE(said.out.empty());
+  };
+  expect_refused("runs.csv", "no response");
+  expect_refused("runs.csv --response angel", "angle");
+  expect_refused("runs.csv --response flow/1 --replicate repetition",
+                 "column angle has 185 different values in 185 rows: a factor or a result?");
+  expect_refused("runs.csv --response angle --columns angle,mu_s_pp", "cannot be a factor");
+  expect_refused("runs.csv --response angle --replicate flow/1", "flow/1");
+  EXPECT_EQ(bench.run("repose", "screen runs.csv --response angle --alpha 2").code, 2);
+  EXPECT_EQ(bench.run("repose", "screen runs.csv --response angle --method jmp").code, 2);
+}
+
+TEST(VarianceCommand, DecomposesTheWorkedExample) {
+  const Workbench bench;
+  bench.write("runs.csv",
+              "run,y,z\na,1,5\na,2,5\na,3,5\nb,2,5\nb,3,5\nb,7,5\nc,10,5\n"
+              "c,11,5\nc,12,5\n");
+  const auto said = bench.run("repose", "variance runs.csv --response y --by run");
+  EXPECT_EQ(said.code, 0) << said.err;
+  expect_readable(said.out);
+  for (const char* text : {"88.16 %", "11.84 %", "25.00 %", "87.67 %", "22.33"})
+    EXPECT_NE(said.out.find(text), std::string::npos) << said.out;
+  const auto result =
+      json::parse(bench.run("repose", "variance runs.csv --response y,z --by run --json").out);
+  EXPECT_NEAR(result["responses"][0]["parameter_share"].get<double>(), 134.0 / 152.0, 1e-14);
+  EXPECT_NEAR(result["responses"][0]["f"].get<double>(), 67.0 / 3.0, 1e-12);
+  EXPECT_TRUE(result["responses"][1]["parameter_share"].is_null());  // z never varies
+}
+
+TEST(VarianceCommand, RefusesWhatHasNoRuns) {
+  const Workbench bench;
+  bench.write("one.csv", "run,y\n1,1\n1,2\n");
+  const auto said = bench.run("repose", "variance one.csv --response y --by run");
+  EXPECT_EQ(said.code, 3);
+  EXPECT_NE(said.err.find("column y"), std::string::npos) << said.err;
+  EXPECT_TRUE(said.out.empty());
+  EXPECT_EQ(bench.run("repose", "variance one.csv --response y --by x").code, 3);
+  EXPECT_EQ(bench.run("repose", "variance one.csv --response y").code, 2);
 }
 
 }  // namespace

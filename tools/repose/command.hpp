@@ -30,9 +30,11 @@ void add_design(CLI::App& app);
 void add_design_check(CLI::App& design);
 void add_fit(CLI::App& app);
 void add_predict(CLI::App& app);
+void add_screen(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_table(CLI::App& app);
 /// import and export, below `repose table`.
 void add_table_conversions(CLI::App& table);
+void add_variance(CLI::App& app);
 
 }  // namespace repose::cli

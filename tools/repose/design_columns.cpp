@@ -26,6 +26,20 @@ bool numbers_runs(const std::string& name) {
   return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
 }
 
+/// A column that was not named is no factor by surprise: it may be a result.
+void require_few_levels(const table::Table& table, const std::string& name) {
+  constexpr std::size_t kFewLevels = 8;
+  auto values = table.numbers(name);
+  const std::size_t rows = values.size();
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+  if (values.size() > kFewLevels && 2 * values.size() > rows)
+    throw InputError(fmt::format(
+        "column {} has {} different values in {} rows: a factor or a result? Name the factors with "
+        "--columns",
+        name, values.size(), rows));
+}
+
 std::vector<std::string> names_of_factors(const table::Table& table, const FactorOptions& options,
                                           const std::optional<ParameterSpace>& space,
                                           const std::vector<std::string>& others) {
@@ -35,8 +49,10 @@ std::vector<std::string> names_of_factors(const table::Table& table, const Facto
   if (names.empty())
     for (const auto& c : table.columns())
       if (c.role == table::Role::none && !contains(others, c.name) && !numbers_runs(c.name) &&
-          !std::holds_alternative<std::vector<std::string>>(c.values))
+          !std::holds_alternative<std::vector<std::string>>(c.values)) {
+        require_few_levels(table, c.name);
         names.push_back(c.name);
+      }
   if (names.empty())
     throw InputError("the table has no column that can be a factor; name them with --columns");
   return names;
@@ -157,6 +173,23 @@ CodedDesign coded_design(const table::Table& table, const FactorOptions& options
     }
   }
   return design;
+}
+
+std::vector<std::string> row_labels(const table::Table& table, const std::string& column) {
+  if (const auto* texts = std::get_if<std::vector<std::string>>(&table.column(column).values))
+    return *texts;
+  std::vector<std::string> labels;
+  for (const auto v : table.integers(column)) labels.push_back(std::to_string(v));
+  return labels;
+}
+
+std::vector<std::string> response_columns(const table::Table& table,
+                                          const std::vector<std::string>& named) {
+  auto names = named.empty() ? table.names_with_role(table::Role::response) : named;
+  if (names.empty()) throw InputError("the table names no response; give --response COLUMN");
+  for (const auto& name : names)
+    static_cast<void>(table.column(name));  // throws if it is not there
+  return names;
 }
 
 }  // namespace repose::cli

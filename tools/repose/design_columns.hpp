@@ -38,11 +38,19 @@ struct CodedDesign {
 
 /// Factors are the columns asked for, else those of the factors file, else those with the role
 /// factor, else all columns of numbers but `others` and the customary names of runs, pairs and
-/// repetitions. A factor varies in the range of the factors file, else in that of the column, else
-/// between its smallest and largest value: on a logarithmic scale if there is one level between
-/// them and it is nearer to their geometric mean than to the arithmetic one. Throws InputError for
-/// a column that is constant, has missing values or leaves its range.
+/// repetitions, if they have few levels. A factor varies in the range of the factors file, else in
+/// that of the column, else between its smallest and largest value: on a logarithmic scale if there
+/// is one level between them and it is nearer to their geometric mean than to the arithmetic one.
+/// Throws InputError for a column that is constant, has missing values or leaves its range.
 CodedDesign coded_design(const table::Table& table, const FactorOptions& options,
                          const std::vector<std::string>& others = {});
+
+/// The values of a column of texts or integers as text, for grouping rows. Throws InputError for a
+/// column of other numbers.
+std::vector<std::string> row_labels(const table::Table& table, const std::string& column);
+
+/// The columns named, else those with the role response. Throws InputError if there are none.
+std::vector<std::string> response_columns(const table::Table& table,
+                                          const std::vector<std::string>& named);
 
 }  // namespace repose::cli

@@ -28,6 +28,8 @@ int run(int argc, char** argv) {
   add_calibrate(app);
   add_simulate(app);
   add_design(app);
+  add_screen(app);
+  add_variance(app);
   add_fit(app);
   add_predict(app);
   add_table(app);

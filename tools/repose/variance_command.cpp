@@ -1,0 +1,126 @@
+// repose variance: how much of a column's variance comes from the parameters.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "command.hpp"
+#include "design_columns.hpp"
+#include "repose/base/error.hpp"
+#include "repose/base/text.hpp"
+#include "repose/table/io.hpp"
+#include "screen_report.hpp"
+
+namespace repose::cli {
+namespace {
+
+struct VarianceOptions {
+  CommonOptions common;
+  std::string table;
+  std::vector<std::string> responses;
+  std::string by;
+};
+
+/// runs x most repetitions, NaN where a run has fewer.
+Matrix grouped(const std::vector<std::string>& labels, const std::vector<double>& values) {
+  std::map<std::string, std::size_t> number;
+  std::vector<std::vector<double>> groups;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const auto [at, is_new] = number.try_emplace(labels[i], groups.size());
+    if (is_new) groups.emplace_back();
+    groups[at->second].push_back(values[i]);
+  }
+  std::size_t most = 0;
+  for (const auto& group : groups) most = std::max(most, group.size());
+  Matrix matrix =
+      Matrix::Constant(static_cast<Eigen::Index>(groups.size()), static_cast<Eigen::Index>(most),
+                       std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    for (std::size_t i = 0; i < groups[g].size(); ++i)
+      matrix(static_cast<Eigen::Index>(g), static_cast<Eigen::Index>(i)) = groups[g][i];
+  return matrix;
+}
+
+std::string percent(double share) {
+  return std::isnan(share) ? "-" : fmt::format("{:.2f} %", 100.0 * share);
+}
+
+std::string verdict(const doe::VarianceDecomposition& v) {
+  if (std::isnan(v.p_value))
+    return v.observations == v.runs
+               ? "no run is repeated: parameters and noise cannot be told apart"
+               : "nothing varies";
+  if (v.p_value >= 0.01) return "the runs cannot be told from noise (p >= 0.01)";
+  return v.unbiased_share < 0.5 ? "stochasticity exceeds the parameters' share"
+                                : "the parameters' share exceeds stochasticity";
+}
+
+void print_variance(const std::string& response, const doe::VarianceDecomposition& v) {
+  const auto item = [](const char* name, const std::string& value) {
+    fmt::print("  {:<46}{:>14}\n", name, value);
+  };
+  fmt::print("\n{}: {} runs, {} values\n", response, v.runs, v.observations);
+  item("share of the parameters, P = SSB/SST", percent(v.parameter_share));
+  item("share of stochasticity, S = SSW/SST", percent(v.stochastic_share));
+  item("P if nothing but noise were there", percent(v.noise_floor));
+  item("unbiased share of the parameters", percent(v.unbiased_share));
+  item("standard deviation between runs, unbiased",
+       fmt::format("{:.5g}", std::sqrt(std::max(0.0, v.unbiased_variance))));
+  item("standard deviation of repetitions", fmt::format("{:.5g}", std::sqrt(v.within_ms)));
+  item("sum of squares between runs, SSB", fmt::format("{:.6g}", v.between_ss));
+  item("sum of squares within runs, SSW", fmt::format("{:.6g}", v.within_ss));
+  item(
+      fmt::format("F on {} and {} degrees of freedom", v.runs - 1, v.observations - v.runs).c_str(),
+      fmt::format("{:.4g}", v.f));
+  item("p", fmt::format("{:.3g}", v.p_value));
+  fmt::print("  {}\n", verdict(v));
+}
+
+void variance(const VarianceOptions& options) {
+  const auto table = table::read_table(table::parse_location(options.table), table::Missing::allow);
+  const auto labels = row_labels(table, options.by);
+  const auto responses = response_columns(table, options.responses);
+  std::vector<doe::VarianceDecomposition> results;
+  for (const auto& name : responses) {
+    try {
+      results.push_back(doe::decompose_variance(grouped(labels, table.numbers(name))));
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("column {}: {}", name, error.what()));
+    }
+  }
+  if (options.common.json) {
+    nlohmann::json json{{"table", options.table}, {"by", options.by}};
+    for (std::size_t r = 0; r < responses.size(); ++r) {
+      json["responses"].push_back(variance_json(results[r]));
+      json["responses"].back()["response"] = responses[r];
+    }
+    fmt::print("{}\n", json.dump(2));
+    return;
+  }
+  fmt::print("{}, runs by {}\n", options.table, options.by);
+  for (std::size_t r = 0; r < responses.size(); ++r) print_variance(responses[r], results[r]);
+}
+
+}  // namespace
+
+void add_variance(CLI::App& app) {
+  auto o = std::make_shared<VarianceOptions>();
+  auto* command =
+      add_command(app, "variance",
+                  "How much of a response comes from the parameters, how much from "
+                  "chance?",
+                  "repose variance runs.csv --response angle --by run\n"
+                  "Rows with the same value of the column RUN are repetitions of one run.",
+                  o->common);
+  command->add_option("TABLE", o->table, "FILE.h5, FILE.h5:/group or FILE.csv")->required();
+  command
+      ->add_option("--response", o->responses,
+                   "columns to decompose; those with the role response\nunless given")
+      ->delimiter(',');
+  command->add_option("--by", o->by, "column that tells runs apart: integers or text")->required();
+  command->callback([o] { variance(*o); });
+}
+
+}  // namespace repose::cli
