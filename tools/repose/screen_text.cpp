@@ -107,7 +107,7 @@ std::string models_text(const ScreeningReport& report, const ResponseScreening& 
   terms.erase(std::unique(terms.begin(), terms.end()), terms.end());
   std::vector<std::string> names;
   for (const auto& term : terms) names.push_back(doe::term_name(term, report.screening.factors));
-  const std::size_t width = width_of(names);
+  const std::size_t width = std::max(width_of(names), std::string("sigma (df)").size());
   std::string text = "\n  final models: coefficients in coded units (p)\n";
   const std::size_t abreast = (kColumns - 2 - width) / kModelWidth;
   for (std::size_t from = 0; from < response.models.size(); from += abreast) {

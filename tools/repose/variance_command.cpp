@@ -107,13 +107,11 @@ void variance(const VarianceOptions& options) {
 
 void add_variance(CLI::App& app) {
   auto o = std::make_shared<VarianceOptions>();
-  auto* command =
-      add_command(app, "variance",
-                  "How much of a response comes from the parameters, how much from "
-                  "chance?",
-                  "repose variance runs.csv --response angle --by run\n"
-                  "Rows with the same value of the column RUN are repetitions of one run.",
-                  o->common);
+  auto* command = add_command(
+      app, "variance", "Parameters or chance: where does a response's variance come from?",
+      "repose variance runs.csv --response angle --by run\n"
+      "Rows with the same value of the column RUN are repetitions of one run.",
+      o->common);
   command->add_option("TABLE", o->table, "FILE.h5, FILE.h5:/group or FILE.csv")->required();
   command
       ->add_option("--response", o->responses,
