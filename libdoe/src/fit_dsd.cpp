@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <optional>
 
+#include "best_subset.hpp"
 #include "fold_over.hpp"
 #include "repose/base/error.hpp"
 #include "repose/doe/distributions.hpp"
@@ -23,36 +25,53 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 struct Split {
   Matrix half;         ///< m x k, the first run of each pair
   Vector odd;          ///< m, (y+ - y-)/2
-  Matrix even_points;  ///< pairs' first runs and, if there are centre runs, one row of zeros
-  Vector even;         ///< (y+ + y-)/2, mean of the centre runs
+  Matrix even_points;  ///< pairs' first runs, then a row of zeros for the centre runs of each block
+  Vector even;         ///< (y+ + y-)/2, means of centre runs
   Vector root_weight;  ///< sqrt of the runs that a row of `even` stands for
-  double centre_ss = 0.0;
+  std::vector<int> even_blocks;  ///< of the rows of `even`; empty without blocks
+  double centre_ss = 0.0;        ///< pure error of centre runs of the same block
+  int centre_df = 0;
   std::vector<int> used_runs;
 };
 
-Split split(const Matrix& coded, const Vector& y, const FoldOver& fold_over) {
+int block_of(const std::vector<int>& blocks, int run) {
+  return blocks.empty() ? 0 : blocks[static_cast<std::size_t>(run)];
+}
+
+Split split(const Matrix& coded, const Vector& y, const FoldOver& fold_over,
+            const std::vector<int>& blocks) {
+  std::map<int, std::vector<int>> centres;  // by block
+  for (const int run : fold_over.centre_runs) centres[block_of(blocks, run)].push_back(run);
   const auto m = static_cast<Eigen::Index>(fold_over.pairs.size());
-  const auto centres = static_cast<Eigen::Index>(fold_over.centre_runs.size());
-  const Eigen::Index rows = m + (centres > 0 ? 1 : 0);
-  Split s{Matrix(m, coded.cols()),
-          Vector(m),
-          Matrix::Zero(rows, coded.cols()),
-          Vector::Zero(rows),
-          Vector::Constant(rows, std::sqrt(2.0)),
-          0.0,
-          fold_over.centre_runs};
+  const Eigen::Index rows = m + static_cast<Eigen::Index>(centres.size());
+  Split s{.half = Matrix(m, coded.cols()),
+          .odd = Vector(m),
+          .even_points = Matrix::Zero(rows, coded.cols()),
+          .even = Vector::Zero(rows),
+          .root_weight = Vector::Constant(rows, std::sqrt(2.0)),
+          .used_runs = fold_over.centre_runs};
   for (Eigen::Index i = 0; i < m; ++i) {
     const auto [one, other] = fold_over.pairs[static_cast<std::size_t>(i)];
+    if (block_of(blocks, one) != block_of(blocks, other))
+      throw InputError(fmt::format(
+          "definitive screening analysis: run {} is in block {} and its mirror image, run {}, in "
+          "block {}; both runs of a pair must be in one block, or leave the blocks out",
+          one + 1, block_of(blocks, one), other + 1, block_of(blocks, other)));
     s.half.row(i) = coded.row(one);
     s.odd(i) = 0.5 * (y(one) - y(other));
     s.even(i) = 0.5 * (y(one) + y(other));
     s.used_runs.insert(s.used_runs.end(), {one, other});
+    if (!blocks.empty()) s.even_blocks.push_back(block_of(blocks, one));
   }
   s.even_points.topRows(m) = s.half;
-  if (centres > 0) {
-    for (const int run : fold_over.centre_runs) s.even(m) += y(run) / static_cast<double>(centres);
-    for (const int run : fold_over.centre_runs) s.centre_ss += std::pow(y(run) - s.even(m), 2);
-    s.root_weight(m) = std::sqrt(static_cast<double>(centres));
+  Eigen::Index row = m;
+  for (const auto& [block, runs] : centres) {
+    const auto count = static_cast<double>(runs.size());
+    for (const int run : runs) s.even(row) += y(run) / count;
+    for (const int run : runs) s.centre_ss += std::pow(y(run) - s.even(row), 2);
+    s.centre_df += static_cast<int>(runs.size()) - 1;
+    s.root_weight(row++) = std::sqrt(count);
+    if (!blocks.empty()) s.even_blocks.push_back(block);
   }
   std::sort(s.used_runs.begin(), s.used_runs.end());
   return s;
@@ -125,7 +144,7 @@ void stage_one(const Split& s, const FitDsdOptions& options,
   result.fake_ss = 2.0 * odd.residual_ss;
   result.fake_df = odd.residual_df;
   result.centre_ss = s.centre_ss;
-  result.centre_df = std::max(0, result.centre_runs - 1);
+  result.centre_df = s.centre_df;
   result.t = result.p = Vector::Constant(k, kNaN);
   const int df = result.fake_df + result.centre_df;
   if (df > 0) {
@@ -153,150 +172,110 @@ void stage_one(const Split& s, const FitDsdOptions& options,
 }
 
 std::vector<Term> second_order_candidates(const std::vector<int>& active, int factors,
-                                          Heredity heredity) {
+                                          const FitDsdOptions& options) {
   const auto is_active = [&](int f) {
     return std::find(active.begin(), active.end(), f) != active.end();
+  };
+  const auto admits = [](Heredity heredity, bool all, bool one) {
+    return heredity == Heredity::none || (heredity == Heredity::weak ? one : all);
   };
   std::vector<Term> terms;
   for (const Term& term : candidate_terms(factors, CandidateTerms::main_and_second_order)) {
     if (term.kind == Term::Kind::main_effect) continue;
-    const int parents = (is_active(term.first) ? 1 : 0) + (is_active(term.second) ? 1 : 0);
-    if (parents == 2 || (parents == 1 && heredity == Heredity::weak)) terms.push_back(term);
+    const bool first = is_active(term.first), second = is_active(term.second);
+    const Heredity heredity =
+        term.kind == Term::Kind::quadratic ? options.quadratics : options.interactions;
+    if (admits(heredity, first && second, first || second)) terms.push_back(term);
   }
   return terms;
 }
 
-/// The even part of y and the search for the second-order terms that explain it.
-class EvenPart {
- public:
-  EvenPart(const Split& s, std::vector<Term> candidates)
-      : candidates_(std::move(candidates)), intercept_(s.root_weight.cwiseProduct(s.even)) {
-    intercept_.append(s.root_weight);
-    for (const Term& term : candidates_)
-      columns_.push_back(s.root_weight.cwiseProduct(term_column(s.even_points, term)));
-  }
-
-  double total_ss() const { return intercept_.residual_ss(); }
-  int total_df() const { return intercept_.residual_df(); }
-
-  /// The subset of `size` candidates that leaves least; nothing if no subset can be estimated.
-  std::optional<FitDsdResult::Step> best_subset(int size, double budget,
-                                                const std::vector<Term>& previous) {
-    best_ = FitDsdResult::Step{};
-    best_.residual_ss = std::numeric_limits<double>::infinity();
-    best_.exhaustive = subsets(size) <= budget;
-    if (best_.exhaustive) {
-      std::vector<Term> chosen;
-      search(intercept_, size, 0, chosen);
-    } else {
-      add_one(previous);
-    }
-    if (std::isinf(best_.residual_ss)) return std::nullopt;
-    return best_;
-  }
-
- private:
-  double subsets(int size) const {
-    double count = 1.0;
-    for (int i = 0; i < size; ++i) count *= (static_cast<double>(candidates_.size()) - i) / (i + 1);
-    return count;
-  }
-
-  void keep_if_better(const Sweep& sweep, std::vector<Term> terms) {
-    if (sweep.residual_ss() >= best_.residual_ss) return;
-    best_.residual_ss = sweep.residual_ss();
-    best_.terms = std::move(terms);
-  }
-
-  void search(const Sweep& sweep, int missing, std::size_t from, std::vector<Term>& chosen) {
-    if (missing == 0) return keep_if_better(sweep, chosen);
-    for (std::size_t next = from; next + static_cast<std::size_t>(missing) <= columns_.size();
-         ++next) {
-      Sweep longer = sweep;
-      if (!longer.append(columns_[next])) continue;
-      chosen.push_back(candidates_[next]);
-      search(longer, missing - 1, next + 1, chosen);
-      chosen.pop_back();
-    }
-  }
-
-  void add_one(const std::vector<Term>& previous) {
-    Sweep sweep = intercept_;
-    const auto chosen = [&](const Term& term) {
-      return std::find(previous.begin(), previous.end(), term) != previous.end();
-    };
-    for (std::size_t j = 0; j < columns_.size(); ++j)
-      if (chosen(candidates_[j])) sweep.append(columns_[j]);
-    for (std::size_t j = 0; j < columns_.size(); ++j) {
-      Sweep longer = sweep;
-      if (chosen(candidates_[j]) || !longer.append(columns_[j])) continue;
-      std::vector<Term> terms = previous;
-      terms.push_back(candidates_[j]);
-      keep_if_better(longer, std::move(terms));
-    }
-  }
-
-  std::vector<Term> candidates_;
-  std::vector<Vector> columns_;
-  Sweep intercept_;
-  FitDsdResult::Step best_;
-};
+/// The search for second-order terms that explain the even part of y, beside intercept and blocks.
+SubsetSearch search_of(const Split& s, const std::vector<Term>& candidates) {
+  const Matrix base = s.root_weight.asDiagonal() * model_matrix(s.even_points, {}, s.even_blocks);
+  Matrix columns(s.even.size(), static_cast<Eigen::Index>(candidates.size()));
+  for (std::size_t j = 0; j < candidates.size(); ++j)
+    columns.col(static_cast<Eigen::Index>(j)) =
+        s.root_weight.cwiseProduct(term_column(s.even_points, candidates[j]));
+  return {s.root_weight.cwiseProduct(s.even), base, std::move(columns)};
+}
 
 void stage_two(const Split& s, const FitDsdOptions& options, FitDsdResult& result) {
   const std::vector<Term> candidates =
-      second_order_candidates(result.active, static_cast<int>(s.half.cols()), options.heredity);
-  EvenPart even(s, candidates);
+      second_order_candidates(result.active, static_cast<int>(s.half.cols()), options);
+  SubsetSearch search = search_of(s, candidates);
   const double s2 = result.stage1_sigma * result.stage1_sigma;
-  result.second_ss = even.total_ss();
-  result.second_df = even.total_df();
+  result.second_ss = search.residual_ss_of_base();
+  result.second_df = search.residual_df_of_base();
   result.second_f = result.second_ss / result.second_df / s2;
   result.second_p = f_upper_tail(result.second_f, result.second_df, result.stage1_df);
   if (result.active.empty() || !(result.second_p <= options.alpha_second)) return;
 
-  const int most =
-      std::min({result.pairs / 2, static_cast<int>(candidates.size()), result.second_df - 1});
+  const int cap = options.most_second_order < 0 ? result.pairs / 2 : options.most_second_order;
+  const int most = std::min({cap, static_cast<int>(candidates.size()), result.second_df - 1});
+  std::vector<int> chosen;
   for (int size = 1; size <= most; ++size) {
-    std::optional<FitDsdResult::Step> step =
-        even.best_subset(size, options.subset_budget, result.second_order);
-    if (!step) break;
+    const std::optional<BestSubset> best = search.best(size, options.search_budget, chosen);
+    if (!best) break;
+    chosen = best->columns;
+    FitDsdResult::Step step{
+        .residual_ss = best->residual_ss, .exact = best->exact, .nodes = best->nodes};
+    for (const int column : chosen)
+      step.terms.push_back(candidates[static_cast<std::size_t>(column)]);
     const int df = result.second_df - size;
-    step->f = step->residual_ss / df / s2;
-    step->p = f_upper_tail(step->f, df, result.stage1_df);
-    result.second_order = step->terms;
-    result.steps.push_back(std::move(*step));
+    step.f = step.residual_ss / df / s2;
+    step.p = f_upper_tail(step.f, df, result.stage1_df);
+    result.second_order = step.terms;
+    result.steps.push_back(std::move(step));
     if (result.steps.back().p > options.alpha_second) break;
   }
 }
 
 void fit_combined(const Matrix& coded, const Vector& y, const Split& s,
-                  const std::vector<std::string>& factors, FitDsdResult& result) {
+                  const std::vector<std::string>& factors, const std::vector<int>& blocks,
+                  FitDsdResult& result) {
   for (const int factor : result.active) result.terms.push_back(main_effect(factor));
   result.terms.insert(result.terms.end(), result.second_order.begin(), result.second_order.end());
-  const auto runs = static_cast<Eigen::Index>(s.used_runs.size());
-  Matrix used(runs, coded.cols());
-  Vector used_y(runs);
-  for (Eigen::Index i = 0; i < runs; ++i) {
-    used.row(i) = coded.row(s.used_runs[static_cast<std::size_t>(i)]);
-    used_y(i) = y(s.used_runs[static_cast<std::size_t>(i)]);
-  }
-  result.fit = fit_least_squares(model_matrix(used, result.terms), used_y,
-                                 column_names(result.terms, factors));
-  result.anova = analysis_of_variance(result.fit);
+  result.runs = s.used_runs;
+  const Matrix used = coded(s.used_runs, Eigen::all);
+  const Vector used_y = y(s.used_runs);
+  std::vector<int> used_blocks;
+  if (!blocks.empty())
+    for (const int run : s.used_runs) used_blocks.push_back(blocks[static_cast<std::size_t>(run)]);
+  result.fit = fit_least_squares(model_matrix(used, result.terms, used_blocks), used_y,
+                                 column_names(result.terms, factors, used_blocks));
+  result.anova = analysis_of_variance(used, used_y, factors, result.terms,
+                                      SumsOfSquares::type_three, used_blocks);
+}
+
+void check_input(const Matrix& coded, const Vector& y, const std::vector<std::string>& factors,
+                 const FitDsdOptions& options, const std::vector<int>& blocks) {
+  if (static_cast<Eigen::Index>(factors.size()) != coded.cols() || coded.rows() != y.size() ||
+      factors.empty() || (!blocks.empty() && static_cast<Eigen::Index>(blocks.size()) != y.size()))
+    throw InputError(
+        fmt::format("definitive screening analysis: a design of {} x {} for {} factor names, {} "
+                    "responses and {} blocks of runs",
+                    coded.rows(), coded.cols(), factors.size(), y.size(), blocks.size()));
+  if (!coded.allFinite() || !y.allFinite())
+    throw InputError("definitive screening analysis: a level or a response is not finite");
+  for (const double alpha :
+       {options.alpha_one_df, options.alpha_two_df, options.alpha_more_df, options.alpha_second})
+    if (!(alpha > 0.0 && alpha < 1.0))
+      throw InputError(fmt::format(
+          "definitive screening analysis: the threshold {} of p values is not in (0, 1)", alpha));
+  if (options.search_budget < 1)
+    throw InputError(fmt::format(
+        "definitive screening analysis: a search budget of {} nodes; at least one is needed",
+        options.search_budget));
 }
 
 }  // namespace
 
 FitDsdResult fit_definitive_screening(const Matrix& coded, const Vector& y,
                                       const std::vector<std::string>& factors,
-                                      const FitDsdOptions& options) {
-  if (static_cast<Eigen::Index>(factors.size()) != coded.cols() || coded.rows() != y.size() ||
-      factors.empty())
-    throw InputError(
-        fmt::format("definitive screening analysis: a design of {} x {} for {} factor names "
-                    "and {} responses",
-                    coded.rows(), coded.cols(), factors.size(), y.size()));
-  if (!coded.allFinite() || !y.allFinite())
-    throw InputError("definitive screening analysis: a level or a response is not finite");
+                                      const FitDsdOptions& options,
+                                      const std::vector<int>& blocks) {
+  check_input(coded, y, factors, options, blocks);
   const FoldOver fold_over = find_fold_over(coded);
   FitDsdResult result;
   result.pairs = static_cast<int>(fold_over.pairs.size());
@@ -308,10 +287,10 @@ FitDsdResult fit_definitive_screening(const Matrix& coded, const Vector& y,
         "{} factors need at least {} pairs: repeat the missing runs or use stepwise regression",
         2 * fold_over.pairs.size(), fold_over.orphans.size(), factors.size(),
         std::max<std::size_t>(2, factors.size())));
-  const Split s = split(coded, y, fold_over);
+  const Split s = split(coded, y, fold_over, blocks);
   stage_one(s, options, factors, result);
   stage_two(s, options, result);
-  fit_combined(coded, y, s, factors, result);
+  fit_combined(coded, y, s, factors, blocks, result);
   return result;
 }
 

@@ -4,10 +4,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "repose/base/error.hpp"
 
 namespace repose::doe {
+namespace {
+
+/// The numbers of the blocks in rising order, without the first.
+std::vector<int> later_blocks(const std::vector<int>& blocks) {
+  std::set<int> numbers(blocks.begin(), blocks.end());
+  if (!numbers.empty()) numbers.erase(numbers.begin());
+  return {numbers.begin(), numbers.end()};
+}
+
+}  // namespace
 
 Term main_effect(int factor) {
   return {Term::Kind::main_effect, factor, factor};
@@ -58,9 +69,11 @@ std::string term_name(const Term& term, const std::vector<std::string>& factors)
 }
 
 std::vector<std::string> column_names(const std::vector<Term>& terms,
-                                      const std::vector<std::string>& factors) {
+                                      const std::vector<std::string>& factors,
+                                      const std::vector<int>& blocks) {
   std::vector<std::string> names{"1"};
   for (const Term& term : terms) names.push_back(term_name(term, factors));
+  for (const int block : later_blocks(blocks)) names.push_back(fmt::format("block {}", block));
   return names;
 }
 
@@ -72,11 +85,21 @@ Vector term_column(const Matrix& coded, const Term& term) {
   return coded.col(term.first).cwiseProduct(coded.col(term.second));
 }
 
-Matrix model_matrix(const Matrix& coded, const std::vector<Term>& terms) {
-  Matrix x(coded.rows(), 1 + static_cast<Eigen::Index>(terms.size()));
+Matrix model_matrix(const Matrix& coded, const std::vector<Term>& terms,
+                    const std::vector<int>& blocks) {
+  if (!blocks.empty() && static_cast<Eigen::Index>(blocks.size()) != coded.rows())
+    throw InputError(fmt::format("model matrix: blocks of {} runs for a design of {} runs",
+                                 blocks.size(), coded.rows()));
+  const std::vector<int> later = later_blocks(blocks);
+  Matrix x = Matrix::Zero(coded.rows(), 1 + static_cast<Eigen::Index>(terms.size() + later.size()));
   x.col(0).setOnes();
-  for (std::size_t j = 0; j < terms.size(); ++j)
-    x.col(1 + static_cast<Eigen::Index>(j)) = term_column(coded, terms[j]);
+  Eigen::Index column = 1;
+  for (const Term& term : terms) x.col(column++) = term_column(coded, term);
+  for (const int block : later) {
+    for (std::size_t run = 0; run < blocks.size(); ++run)
+      if (blocks[run] == block) x(static_cast<Eigen::Index>(run), column) = 1.0;
+    ++column;
+  }
   return x;
 }
 

@@ -18,42 +18,69 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// The runs of one repetition that did not fail.
 struct Repetition {
+  std::vector<Eigen::Index> runs;
   Matrix coded;
   Vector y;
+  std::vector<int> blocks;
 };
 
-Repetition surviving_runs(const Matrix& coded, const Vector& y) {
-  std::vector<Eigen::Index> runs;
-  for (Eigen::Index run = 0; run < y.size(); ++run)
-    if (!std::isnan(y(run))) runs.push_back(run);
-  const auto n = static_cast<Eigen::Index>(runs.size());
-  Repetition repetition{Matrix(n, coded.cols()), Vector(n)};
-  for (Eigen::Index i = 0; i < n; ++i) {
-    repetition.coded.row(i) = coded.row(runs[static_cast<std::size_t>(i)]);
-    repetition.y(i) = y(runs[static_cast<std::size_t>(i)]);
+Repetition surviving_runs(const Matrix& coded, const Vector& y, const std::vector<int>& blocks) {
+  Repetition repetition;
+  for (Eigen::Index run = 0; run < y.size(); ++run) {
+    if (std::isnan(y(run))) continue;
+    repetition.runs.push_back(run);
+    if (!blocks.empty()) repetition.blocks.push_back(blocks[static_cast<std::size_t>(run)]);
   }
+  repetition.coded = coded(repetition.runs, Eigen::all);
+  repetition.y = y(repetition.runs);
   return repetition;
 }
 
 FinalModel final_model(const Repetition& repetition, const std::vector<std::string>& factors,
                        const ScreeningOptions& options) {
+  FinalModel model{.runs = repetition.runs};
   if (options.method == ScreeningOptions::Method::fit_dsd) {
-    const FitDsdResult result =
-        fit_definitive_screening(repetition.coded, repetition.y, factors, options.fit_dsd);
-    return {result.terms, result.fit};
+    FitDsdResult result = fit_definitive_screening(repetition.coded, repetition.y, factors,
+                                                   options.fit_dsd, repetition.blocks);
+    model.terms = std::move(result.terms);
+    model.fit = std::move(result.fit);
+    model.runs.clear();
+    for (const int run : result.runs)
+      model.runs.push_back(repetition.runs[static_cast<std::size_t>(run)]);
+  } else {
+    StepwiseResult result =
+        stepwise_regression(repetition.coded, repetition.y, factors,
+                            candidate_terms(static_cast<int>(factors.size()), options.candidates),
+                            {.stop = options.stop,
+                             .direction = options.direction,
+                             .rule = options.rule,
+                             .p_enter = options.alpha,
+                             .p_leave = options.p_leave},
+                            repetition.blocks);
+    model.terms = std::move(result.terms);
+    model.fit = std::move(result.fit);
   }
-  const StepwiseResult result =
-      stepwise_regression(repetition.coded, repetition.y, factors,
-                          candidate_terms(static_cast<int>(factors.size()), options.candidates),
-                          {options.direction, options.rule, options.alpha, options.p_leave});
-  return {result.terms, result.fit};
+  return model;
+}
+
+void diagnose(const Matrix& coded, const Vector& y, const std::vector<int>& blocks,
+              FinalModel& model) {
+  std::vector<int> used_blocks;
+  if (!blocks.empty())
+    for (const Eigen::Index run : model.runs)
+      used_blocks.push_back(blocks[static_cast<std::size_t>(run)]);
+  const Matrix x = model_matrix(coded(model.runs, Eigen::all), model.terms, used_blocks);
+  const Vector used = y(model.runs);
+  model.diagnostics = diagnose_regression(x, used);
+  model.lack_of_fit = lack_of_fit(x, used);
+  model.criteria = information_criteria(model.fit.residual_ss, static_cast<int>(x.rows()),
+                                        static_cast<int>(x.cols()));
 }
 
 /// p of the main effect if it were added to the model; 1 if it cannot be.
 double p_if_added(const Repetition& repetition, const std::vector<Term>& terms, int factor) {
   Sweep sweep(repetition.y);
-  sweep.append(Vector::Ones(repetition.y.size()));
-  for (const Term& term : terms) sweep.append(term_column(repetition.coded, term));
+  sweep.append_all(model_matrix(repetition.coded, terms, repetition.blocks));
   if (sweep.is_exact()) return 1.0;
   const double before = sweep.residual_ss();
   if (!sweep.append(repetition.coded.col(factor)) || sweep.residual_df() < 1) return 1.0;
@@ -85,11 +112,28 @@ double median(Vector values) {
   return n % 2 == 1 ? values(n / 2) : 0.5 * (values(n / 2 - 1) + values(n / 2));
 }
 
+Vector run_means(const Matrix& values) {
+  Vector means(values.rows());
+  for (Eigen::Index run = 0; run < values.rows(); ++run) {
+    const auto present = values.row(run).array().isNaN() == false;
+    means(run) =
+        present.select(values.row(run).array(), 0.0).sum() / static_cast<double>(present.count());
+  }
+  return means;
+}
+
+/// NaN where too few runs are repeated.
+SignalToRepetition signal_of(const Matrix& values) {
+  const auto repeated = (values.array().isNaN() == false).rowwise().count();
+  if ((repeated >= 2).count() < 2) return {kNaN, kNaN};
+  return signal_to_repetition(values);
+}
+
 /// Main effects of all repetitions together, tested against the variance within runs. The fit to
 /// the runs' means, weighted by their number of values, has the coefficients of the fit to all
 /// values.
 void pool(const Matrix& coded, const Matrix& values, const std::vector<std::string>& factors,
-          ResponseScreening& result) {
+          const std::vector<int>& blocks, ResponseScreening& result) {
   const VarianceDecomposition& variance = result.variance;
   const auto k = static_cast<Eigen::Index>(factors.size());
   const int within_df = variance.observations - variance.runs;
@@ -97,8 +141,8 @@ void pool(const Matrix& coded, const Matrix& values, const std::vector<std::stri
   if (within_df == 0) return;
   const std::vector<Term> terms =
       candidate_terms(static_cast<int>(k), CandidateTerms::main_effects);
-  const Matrix all = model_matrix(coded, terms);
-  Matrix x(variance.runs, k + 1);
+  const Matrix all = model_matrix(coded, terms, blocks);
+  Matrix x(variance.runs, all.cols());
   Vector y(variance.runs);
   Eigen::Index row = 0;
   for (Eigen::Index run = 0; run < values.rows(); ++run) {
@@ -109,7 +153,7 @@ void pool(const Matrix& coded, const Matrix& values, const std::vector<std::stri
     x.row(row) = std::sqrt(count) * all.row(run);
     y(row++) = std::sqrt(count) * (sum / count);
   }
-  const LeastSquaresFit fit = fit_least_squares(x, y, column_names(terms, factors));
+  const LeastSquaresFit fit = fit_least_squares(x, y, column_names(terms, factors, blocks));
   for (Eigen::Index j = 0; j < k; ++j) {
     const double error = std::sqrt(fit.unscaled_covariance(j + 1, j + 1) * variance.within_ms);
     result.pooled_standard_error(j) = error;
@@ -119,7 +163,10 @@ void pool(const Matrix& coded, const Matrix& values, const std::vector<std::stri
 
 void check_input(const Matrix& coded, const std::vector<std::string>& factors,
                  const std::vector<std::string>& names, const std::vector<Matrix>& responses,
-                 const ScreeningOptions& options) {
+                 const ScreeningOptions& options, const std::vector<int>& blocks) {
+  if (!blocks.empty() && static_cast<Eigen::Index>(blocks.size()) != coded.rows())
+    throw InputError(fmt::format("screening: blocks of {} runs for a design of {} runs",
+                                 blocks.size(), coded.rows()));
   if (factors.empty() || static_cast<Eigen::Index>(factors.size()) != coded.cols())
     throw InputError(fmt::format("screening: {} factor names for a design of {} factors",
                                  factors.size(), coded.cols()));
@@ -156,7 +203,7 @@ void require_enough_runs(const Repetition& repetition, std::size_t factors,
 
 ResponseScreening screen_response(const Matrix& coded, const std::vector<std::string>& factors,
                                   const std::string& name, const Matrix& values,
-                                  const ScreeningOptions& options) {
+                                  const ScreeningOptions& options, const std::vector<int>& blocks) {
   const int k = static_cast<int>(factors.size());
   const Eigen::Index repetitions = values.cols();
   const std::vector<Term> main_effects = candidate_terms(k, CandidateTerms::main_effects);
@@ -165,14 +212,16 @@ ResponseScreening screen_response(const Matrix& coded, const std::vector<std::st
   result.response = name;
   result.significant = result.p_values = Matrix::Zero(k, repetitions);
   for (Eigen::Index r = 0; r < repetitions; ++r) {
-    const Repetition repetition = surviving_runs(coded, values.col(r));
+    const Repetition repetition = surviving_runs(coded, values.col(r), blocks);
     require_enough_runs(repetition, factors.size(), name, r);
     FinalModel model;
     try {
-      effect.col(r) = fit_least_squares(model_matrix(repetition.coded, main_effects), repetition.y,
-                                        column_names(main_effects, factors))
-                          .coefficients.tail(k);
+      effect.col(r) =
+          fit_least_squares(model_matrix(repetition.coded, main_effects, repetition.blocks),
+                            repetition.y, column_names(main_effects, factors, repetition.blocks))
+              .coefficients.segment(1, k);
       model = final_model(repetition, factors, options);
+      diagnose(coded, values.col(r), blocks, model);
     } catch (const InputError& error) {
       throw InputError(
           fmt::format("screening: response {}, repetition {} ({} of {} runs have a value): {}",
@@ -190,8 +239,10 @@ ResponseScreening screen_response(const Matrix& coded, const std::vector<std::st
   for (int factor = 0; factor < k; ++factor)
     result.p_value(factor) = median(result.p_values.row(factor));
   result.count = result.significant.rowwise().sum();
+  result.run_means = run_means(values);
   result.variance = decompose_variance(values);
-  pool(coded, values, factors, result);
+  result.signal = values.cols() > 1 ? signal_of(values) : SignalToRepetition{kNaN, kNaN};
+  pool(coded, values, factors, blocks, result);
   return result;
 }
 
@@ -255,13 +306,14 @@ std::vector<bool> vote(const std::vector<Vector>& counts, int repetitions, doubl
 
 Screening screen(const Matrix& coded, const std::vector<std::string>& factors,
                  const std::vector<std::string>& response_names,
-                 const std::vector<Matrix>& responses, const ScreeningOptions& options) {
-  check_input(coded, factors, response_names, responses, options);
+                 const std::vector<Matrix>& responses, const ScreeningOptions& options,
+                 const std::vector<int>& blocks) {
+  check_input(coded, factors, response_names, responses, options, blocks);
   Screening screening{factors, static_cast<int>(responses.front().cols()), {}, {}};
   std::vector<Vector> counts;
   for (std::size_t r = 0; r < responses.size(); ++r) {
     screening.responses.push_back(
-        screen_response(coded, factors, response_names[r], responses[r], options));
+        screen_response(coded, factors, response_names[r], responses[r], options, blocks));
     counts.push_back(screening.responses.back().count);
   }
   adjust_pooled_tests(screening.responses, coded.cols());

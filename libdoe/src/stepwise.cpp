@@ -1,4 +1,4 @@
-// Stepwise regression by p-value thresholds.
+// Stepwise regression.
 #include "repose/doe/stepwise.hpp"
 
 #include <fmt/format.h>
@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "repose/base/error.hpp"
 #include "repose/doe/distributions.hpp"
+#include "repose/doe/regression_diagnostics.hpp"
 #include "sweep.hpp"
 
 namespace repose::doe {
@@ -22,7 +24,8 @@ bool has(const std::vector<Term>& terms, const Term& term) {
 }
 
 void check_input(const Matrix& coded, const Vector& y, const std::vector<std::string>& factors,
-                 const std::vector<Term>& candidates, const StepwiseOptions& options) {
+                 const std::vector<Term>& candidates, const StepwiseOptions& options,
+                 const std::vector<int>& blocks) {
   if (static_cast<Eigen::Index>(factors.size()) != coded.cols() || coded.rows() != y.size())
     throw InputError(
         fmt::format("stepwise regression: a design of {} x {} for {} factor names and {} "
@@ -33,37 +36,62 @@ void check_input(const Matrix& coded, const Vector& y, const std::vector<std::st
   if (candidates.empty()) throw InputError("stepwise regression: there are no candidate terms");
   if (y.size() < 3)
     throw InputError(fmt::format("stepwise regression: {} runs; at least 3 are needed", y.size()));
+  const Eigen::Index columns = model_matrix(coded, candidates, blocks).cols();
+  if (options.direction == StepDirection::backward && y.size() <= columns)
+    throw InputError(fmt::format(
+        "stepwise regression: backward steps begin with all {} columns, and {} runs leave "
+        "no residual to test them with; go forward, or take fewer candidate terms",
+        columns, y.size()));
   for (const double p : {options.p_enter, options.p_leave})
     if (!(p > 0.0 && p < 1.0))
       throw InputError(fmt::format("stepwise regression: threshold {} is not in (0, 1)", p));
 }
 
-/// The state of a selection: data, the model so far, and the tests of changing it.
+/// The state of a selection: data, the model so far, and the steps that may change it.
 class Selection {
  public:
   Selection(const Matrix& coded, const Vector& y, const std::vector<std::string>& factors,
-            const std::vector<Term>& candidates, const StepwiseOptions& options)
+            const std::vector<Term>& candidates, const StepwiseOptions& options,
+            const std::vector<int>& blocks)
       : coded_(coded),
         y_(y),
         factors_(factors),
         candidates_(candidates),
-        rule_(options.rule),
-        p_enter_(options.p_enter),
-        p_leave_(std::max(options.p_leave, options.p_enter)) {}
+        blocks_(blocks),
+        options_(options),
+        p_leave_(std::max(options.p_leave, options.p_enter)) {
+    if (options.direction == StepDirection::backward) terms_ = candidates;
+  }
 
-  StepwiseResult run(StepDirection direction) {
+  StepwiseResult run() {
     StepwiseResult result;
-    if (direction == StepDirection::backward) terms_ = candidates_;
+    if (options_.stop == StoppingRule::p_value)
+      follow_p_values(result);
+    else
+      follow_criterion(result);
+    result.terms = terms_;
+    result.fit = fit_model();
+    result.anova =
+        analysis_of_variance(coded_, y_, factors_, terms_, SumsOfSquares::type_three, blocks_);
+    return result;
+  }
+
+ private:
+  void follow_p_values(StepwiseResult& result) {
     std::set<std::vector<Term>> visited{sorted_terms()};
     while (true) {
       std::optional<StepwiseStep> step;
-      if (direction != StepDirection::forward) step = best_leaving();
-      if (!step && direction != StepDirection::backward) {
+      const auto smaller = [](const StepwiseStep& a, const StepwiseStep& b) { return a.p < b.p; };
+      if (options_.direction != StepDirection::forward)
+        step = first(leaving_steps(), [&](const auto& a, const auto& b) { return smaller(b, a); });
+      if (step && !(step->p > p_leave_)) step.reset();
+      if (!step && options_.direction != StepDirection::backward) {
         if (sweep_of_model().is_exact()) {
           result.termination = Termination::exact_fit;
           break;
         }
-        step = best_entering();
+        step = first(entering_steps(), smaller);
+        if (step && !(step->p <= options_.p_enter)) step.reset();
       }
       if (!step) break;
       apply(*step);
@@ -73,21 +101,65 @@ class Selection {
         break;
       }
     }
-    result.terms = terms_;
-    result.fit = fit_model();
-    result.anova = analysis_of_variance(result.fit);
-    return result;
+    result.chosen = result.path.size();
   }
 
- private:
+  void follow_criterion(StepwiseResult& result) {
+    const bool mixed = options_.direction == StepDirection::mixed;
+    std::vector<Term> best_terms = terms_;
+    double best = criterion_of_model();
+    while (true) {
+      if (sweep_of_model().is_exact()) {
+        result.termination = Termination::exact_fit;
+        break;
+      }
+      std::vector<StepwiseStep> steps;
+      if (options_.direction != StepDirection::backward) steps = entering_steps();
+      if (options_.direction != StepDirection::forward)
+        for (StepwiseStep& step : leaving_steps()) steps.push_back(std::move(step));
+      std::optional<StepwiseStep> step =
+          first(std::move(steps), [&](const StepwiseStep& a, const StepwiseStep& b) {
+            return std::pair(criterion(a), a.bic) < std::pair(criterion(b), b.bic);
+          });
+      if (!step || (mixed && !(criterion(*step) < best))) break;
+      apply(*step);
+      const double value = criterion(*step);
+      result.path.push_back(std::move(*step));
+      if (!(value < best)) continue;
+      best = value;
+      best_terms = terms_;
+      result.chosen = result.path.size();
+    }
+    terms_ = best_terms;
+  }
+
+  double criterion(const StepwiseStep& step) const {
+    return options_.stop == StoppingRule::bic ? step.bic : step.aicc;
+  }
+
+  double criterion_of_model() const {
+    StepwiseStep here;
+    const Sweep sweep = sweep_of_model();
+    set_criteria(here, sweep.residual_ss(), sweep.residual_df());
+    return criterion(here);
+  }
+
+  void set_criteria(StepwiseStep& step, double residual_ss, int residual_df) const {
+    const int n = static_cast<int>(y_.size());
+    const InformationCriteria criteria =
+        information_criteria(std::max(0.0, residual_ss), n, n - residual_df);
+    step.aicc = criteria.aicc;
+    step.bic = criteria.bic;
+  }
+
   LeastSquaresFit fit_model() const {
-    return fit_least_squares(model_matrix(coded_, terms_), y_, column_names(terms_, factors_));
+    return fit_least_squares(model_matrix(coded_, terms_, blocks_), y_,
+                             column_names(terms_, factors_, blocks_));
   }
 
   Sweep sweep_of_model() const {
     Sweep sweep(y_);
-    sweep.append(Vector::Ones(y_.size()));
-    for (const Term& term : terms_) sweep.append(term_column(coded_, term));
+    sweep.append_all(model_matrix(coded_, terms_, blocks_));
     return sweep;
   }
 
@@ -104,11 +176,11 @@ class Selection {
     return absent;
   }
 
-  /// The test of entering `term` into the model of `sweep`; nothing if it cannot enter.
+  /// The step that enters `term` into the model of `sweep`; nothing if it cannot enter.
   std::optional<StepwiseStep> entering(const Term& term, Sweep sweep) const {
-    StepwiseStep step{Action::enter, term, {}, 0.0};
-    if (rule_ != HierarchyRule::none) step.entered_with = absent_precedents(term);
-    if (rule_ == HierarchyRule::restrict && !step.entered_with.empty()) return std::nullopt;
+    StepwiseStep step{.action = Action::enter, .term = term};
+    if (options_.rule != HierarchyRule::none) step.entered_with = absent_precedents(term);
+    if (options_.rule == HierarchyRule::restrict && !step.entered_with.empty()) return std::nullopt;
 
     const double ss_before = sweep.residual_ss();
     for (const Term& precedent : step.entered_with)
@@ -122,37 +194,50 @@ class Selection {
                                         joint_df, sweep.residual_df());
     const double own_p = f_upper_tail((ss_with_precedents - sweep.residual_ss()) / mean_square, 1.0,
                                       sweep.residual_df());
-    step.p = rule_ == HierarchyRule::combine ? std::max(joint_p, own_p) : joint_p;
+    step.p = options_.rule == HierarchyRule::combine ? std::max(joint_p, own_p) : joint_p;
+    set_criteria(step, sweep.residual_ss(), sweep.residual_df());
     return step;
   }
 
-  std::optional<StepwiseStep> best_entering() const {
-    std::optional<StepwiseStep> best;
+  std::vector<StepwiseStep> entering_steps() const {
+    std::vector<StepwiseStep> steps;
     const Sweep sweep = sweep_of_model();
     for (const Term& candidate : candidates_) {
       if (has(terms_, candidate)) continue;
-      std::optional<StepwiseStep> step = entering(candidate, sweep);
-      if (step && step->p <= p_enter_ && (!best || step->p < best->p)) best = std::move(step);
+      if (std::optional<StepwiseStep> step = entering(candidate, sweep))
+        steps.push_back(std::move(*step));
     }
-    return best;
+    return steps;
   }
 
   bool carries_others(const Term& term) const {
-    return rule_ != HierarchyRule::none &&
+    return options_.rule != HierarchyRule::none &&
            std::any_of(terms_.begin(), terms_.end(),
                        [&](const Term& other) { return has(precedents(other), term); });
   }
 
-  std::optional<StepwiseStep> best_leaving() const {
-    if (terms_.empty()) return std::nullopt;
-    std::optional<StepwiseStep> best;
+  std::vector<StepwiseStep> leaving_steps() const {
+    std::vector<StepwiseStep> steps;
+    if (terms_.empty()) return steps;
     const LeastSquaresFit fit = fit_model();
     for (std::size_t j = 0; j < terms_.size(); ++j) {
-      const double p = fit.p(1 + static_cast<Eigen::Index>(j));
-      if (p > p_leave_ && !carries_others(terms_[j]) && (!best || p > best->p))
-        best = StepwiseStep{Action::leave, terms_[j], {}, p};
+      if (carries_others(terms_[j])) continue;
+      const auto column = static_cast<Eigen::Index>(j) + 1;
+      StepwiseStep step{.action = Action::leave, .term = terms_[j], .p = fit.p(column)};
+      const double explained = fit.coefficients(column) * fit.coefficients(column) /
+                               fit.unscaled_covariance(column, column);
+      set_criteria(step, fit.residual_ss + explained, fit.residual_df + 1);
+      steps.push_back(std::move(step));
     }
-    return best;
+    return steps;
+  }
+
+  /// The first of the best steps by `better`.
+  template <typename Better>
+  static std::optional<StepwiseStep> first(std::vector<StepwiseStep> steps, Better better) {
+    const auto best = std::min_element(steps.begin(), steps.end(), better);
+    if (best == steps.end()) return std::nullopt;
+    return std::move(*best);
   }
 
   void apply(const StepwiseStep& step) {
@@ -168,8 +253,9 @@ class Selection {
   const Vector& y_;
   const std::vector<std::string>& factors_;
   const std::vector<Term>& candidates_;
-  HierarchyRule rule_;
-  double p_enter_, p_leave_;
+  const std::vector<int>& blocks_;
+  const StepwiseOptions& options_;
+  double p_leave_;
   std::vector<Term> terms_;
 };
 
@@ -178,9 +264,9 @@ class Selection {
 StepwiseResult stepwise_regression(const Matrix& coded, const Vector& y,
                                    const std::vector<std::string>& factors,
                                    const std::vector<Term>& candidates,
-                                   const StepwiseOptions& options) {
-  check_input(coded, y, factors, candidates, options);
-  return Selection(coded, y, factors, candidates, options).run(options.direction);
+                                   const StepwiseOptions& options, const std::vector<int>& blocks) {
+  check_input(coded, y, factors, candidates, options, blocks);
+  return Selection(coded, y, factors, candidates, options, blocks).run();
 }
 
 }  // namespace repose::doe

@@ -1,6 +1,7 @@
 // Gram-Schmidt with one reorthogonalisation.
 #include "sweep.hpp"
 
+#include <cmath>
 #include <limits>
 
 namespace repose::doe {
@@ -11,9 +12,9 @@ Sweep::Sweep(const Vector& y) : basis_(y.size(), 0), residual_(y) {
   negligible_ss_ = static_cast<double>(y.size()) * rounding * rounding;
 }
 
-bool Sweep::append(const Vector& column) {
+bool Sweep::append(const Vector& column, double full_squared_length) {
   constexpr double kDependent = 1e-8;
-  const double length = column.norm();
+  const double length = std::sqrt(full_squared_length);
   Vector direction = column;
   for (int pass = 0; pass < 2; ++pass) direction -= basis_ * (basis_.transpose() * direction);
   const double left = direction.norm();

@@ -12,8 +12,17 @@ class Sweep {
 
   /// Adds a column. False, and nothing is changed, if it lies in the span of those before it (less
   /// than 1e-8 of its length is left).
-  bool append(const Vector& column);
+  bool append(const Vector& column) { return append(column, column.squaredNorm()); }
+  /// The same with the squared length to compare with, for a column that was projected before.
+  bool append(const Vector& column, double full_squared_length);
 
+  /// Each column that does not depend on others.
+  void append_all(const Matrix& columns) {
+    for (Eigen::Index j = 0; j < columns.cols(); ++j) append(columns.col(j));
+  }
+
+  const Matrix& basis() const { return basis_; }  ///< orthonormal
+  const Vector& residual() const { return residual_; }
   double residual_ss() const { return residual_.squaredNorm(); }
   /// The residual is no more than rounding of y: tests against it mean nothing.
   bool is_exact() const { return residual_ss() <= negligible_ss_; }

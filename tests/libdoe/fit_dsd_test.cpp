@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <set>
 
 #include "csv.hpp"
@@ -69,7 +70,7 @@ TEST_P(TwoStageAnalysis, GivesTheNumbersOfAnIndependentProgram) {
   ASSERT_EQ(result.steps.size(), expected["steps"].size());
   for (std::size_t i = 0; i < result.steps.size(); ++i) {
     const FitDsdResult::Step& step = result.steps[i];
-    EXPECT_TRUE(step.exhaustive);
+    EXPECT_TRUE(step.exact);
     EXPECT_EQ(names_of(step.terms, factors), names_of(expected["steps"][i][1]));
     expect_relative(step.residual_ss, expected["steps"][i][2]);
     expect_relative(step.f, expected["steps"][i][3]);
@@ -137,17 +138,61 @@ TEST(FitDsd, LeavesOutARunWhoseMirrorImageFailed) {
   EXPECT_EQ(one_missing.fit.coefficients, pair_missing.fit.coefficients);
 }
 
-TEST(FitDsd, FallsBackToGreedySearchBeyondItsBudgetAndSaysSo) {
+TEST(FitDsd, KeepsTheBestSubsetMetWhenTheBudgetRunsOutAndSaysSo) {
   const test::Case example = test::read_case("A_6factor_2fake");
-  const FitDsdResult result =
-      fit_definitive_screening(example.coded, example.y, example.factors, {.subset_budget = 20.0});
-  ASSERT_GE(result.steps.size(), 3u);
-  EXPECT_TRUE(result.steps[0].exhaustive);               // 15 subsets of one
-  EXPECT_FALSE(result.steps[1].exhaustive);              // 105 of two
-  for (std::size_t i = 1; i < result.steps.size(); ++i)  // greedy subsets contain each other
-    for (const Term& term : result.steps[i - 1].terms)
-      EXPECT_NE(std::find(result.steps[i].terms.begin(), result.steps[i].terms.end(), term),
-                result.steps[i].terms.end());
+  const FitDsdResult exact = fit_definitive_screening(example.coded, example.y, example.factors);
+  const FitDsdResult cut =
+      fit_definitive_screening(example.coded, example.y, example.factors, {.search_budget = 1});
+  ASSERT_GE(cut.steps.size(), 3u);
+  EXPECT_TRUE(cut.steps[0].exact);  // one node shows the best single term
+  EXPECT_FALSE(cut.steps[1].exact);
+  for (std::size_t i = 0; i < std::min(cut.steps.size(), exact.steps.size()); ++i)
+    EXPECT_GE(cut.steps[i].residual_ss, exact.steps[i].residual_ss * (1.0 - 1e-12));
+}
+
+/// What the best `size` of the terms leave of y, by fitting all subsets.
+double least_residual(const Matrix& x, const Vector& y, const std::vector<Term>& terms,
+                      std::size_t size, std::vector<Term> chosen = {}, std::size_t from = 0) {
+  if (chosen.size() == size) return fit_least_squares(model_matrix(x, chosen), y).residual_ss;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t next = from; next < terms.size(); ++next) {
+    chosen.push_back(terms[next]);
+    try {
+      least = std::min(least, least_residual(x, y, terms, size, chosen, next + 1));
+    } catch (const InputError&) {  // linearly dependent
+    }
+    chosen.pop_back();
+  }
+  return least;
+}
+
+TEST(FitDsd, BranchAndBoundFindsTheBestOfAllSubsets) {
+  // Even in all factors, so that stage 2 sees y itself; main effects make five factors active.
+  for (const std::uint64_t seed : {11u, 12u, 13u, 14u}) {
+    const Matrix x = definitive_screening_design(6, {.seed = seed}).coded;
+    const Vector even = x.col(0).cwiseProduct(x.col(1)) + x.col(2).cwiseAbs2() -
+                        x.col(3).cwiseProduct(x.col(4)) + 0.7 * x.col(1).cwiseProduct(x.col(3));
+    Vector y = 9.0 * (x.col(0) + x.col(1) + x.col(2) + x.col(3) + x.col(4)) + 3.0 * even;
+    y += noise(x.rows(), 0.2, seed);
+    const FitDsdResult result =
+        fit_definitive_screening(x, y, kSixNames, {.alpha_second = 0.999, .most_second_order = 4});
+    ASSERT_EQ(result.active.size(), 5u);
+    // The even part is orthogonal to main effects: fits of the mean of y(x) and y(-x).
+    Vector mean = y;
+    for (Eigen::Index i = 0; i < x.rows(); ++i)
+      for (Eigen::Index j = 0; j < x.rows(); ++j)
+        if ((x.row(i) + x.row(j)).isZero(0.0)) mean(i) = 0.5 * (y(i) + y(j));
+    std::vector<Term> candidates;
+    for (const Term& term : candidate_terms(5, CandidateTerms::main_and_second_order))
+      if (term.kind != Term::Kind::main_effect) candidates.push_back(term);
+    ASSERT_GE(result.steps.size(), 3u);
+    for (std::size_t size = 1; size <= result.steps.size(); ++size) {
+      const FitDsdResult::Step& step = result.steps[size - 1];
+      EXPECT_TRUE(step.exact);
+      const double expected = least_residual(x, mean, candidates, size);
+      EXPECT_NEAR(step.residual_ss, expected, 1e-10 * expected) << size << " terms";
+    }
+  }
 }
 
 TEST(FitDsd, WeakHeredityAdmitsInteractionsOfOneActiveFactor) {
@@ -155,9 +200,61 @@ TEST(FitDsd, WeakHeredityAdmitsInteractionsOfOneActiveFactor) {
   const Vector y =
       5.0 * x.col(0) + 5.0 * x.col(0).cwiseProduct(x.col(1)) + noise(x.rows(), 0.05, 2);
   const FitDsdResult strong = fit_definitive_screening(x, y, kSixNames);
-  const FitDsdResult weak = fit_definitive_screening(x, y, kSixNames, {.heredity = Heredity::weak});
+  const FitDsdResult weak =
+      fit_definitive_screening(x, y, kSixNames, {.interactions = Heredity::weak});
   EXPECT_FALSE(names_of(strong.second_order, kSixNames).count("a*b"));
   EXPECT_TRUE(names_of(weak.second_order, kSixNames).count("a*b"));
+}
+
+TEST(FitDsd, QuadraticsHaveTheirOwnHeredity) {
+  const Matrix x = definitive_screening_design(6).coded;
+  const Vector y = 5.0 * x.col(0) + 5.0 * x.col(1).cwiseAbs2() + noise(x.rows(), 0.05, 2);
+  const FitDsdResult strong = fit_definitive_screening(x, y, kSixNames);
+  const FitDsdResult none =
+      fit_definitive_screening(x, y, kSixNames, {.quadratics = Heredity::none});
+  EXPECT_FALSE(names_of(strong.second_order, kSixNames).count("b^2"));
+  EXPECT_TRUE(names_of(none.second_order, kSixNames).count("b^2"));
+}
+
+TEST(FitDsd, BlocksAreInEveryModelAndNotInTheError) {
+  const Matrix x =
+      definitive_screening_design(6, {.centre_runs = 2, .run_order = RunOrder::structured}).coded;
+  const auto half = (x.rows() - 2) / 4;  // pairs in the first block; one centre run in each
+  std::vector<int> blocks(static_cast<std::size_t>(x.rows()), 2);
+  int pairs = 0, centres = 0;
+  for (Eigen::Index i = 0; i < x.rows(); ++i)
+    for (Eigen::Index j = i; j < x.rows(); ++j)
+      if ((x.row(i) + x.row(j)).isZero(0.0) && !x.row(i).isZero(0.0) && pairs++ < half)
+        blocks[static_cast<std::size_t>(i)] = blocks[static_cast<std::size_t>(j)] = 1;
+  for (Eigen::Index i = 0; i < x.rows(); ++i)
+    if (x.row(i).isZero(0.0) && centres++ == 0) blocks[static_cast<std::size_t>(i)] = 1;
+  Vector y = 3.0 * x.col(0) + 2.0 * x.col(4) + 4.0 * x.col(0).cwiseProduct(x.col(4)) +
+             noise(x.rows(), 0.1, 4);
+  const FitDsdResult without = fit_definitive_screening(x, y, kSixNames, {}, blocks);
+  for (Eigen::Index i = 0; i < x.rows(); ++i)
+    if (blocks[static_cast<std::size_t>(i)] == 2) y(i) += 50.0;
+  const FitDsdResult result = fit_definitive_screening(x, y, kSixNames, {}, blocks);
+  // A block of its own level changes nothing but that level.
+  EXPECT_EQ(names_of(result.second_order, kSixNames), (std::set<std::string>{"a*e"}));
+  EXPECT_EQ(result.second_order, without.second_order);
+  EXPECT_NEAR(result.second_ss, without.second_ss, 1e-9 * result.second_ss);
+  EXPECT_NEAR(result.fit.sigma, without.fit.sigma, 1e-9 * result.fit.sigma);
+  EXPECT_EQ(result.second_df, 8);  // eight pairs and two centres, less two blocks
+  EXPECT_EQ(result.centre_df, 0);  // the centre runs stand in different blocks
+  EXPECT_EQ(result.fit.names.back(), "block 2");
+  EXPECT_NEAR(result.fit.coefficients.tail(1)(0) - without.fit.coefficients.tail(1)(0), 50.0, 1e-9);
+
+  std::swap(blocks[0], blocks[1]);
+  blocks[0] = blocks[0] == 1 ? 2 : 1;
+  EXPECT_THROW(fit_definitive_screening(x, y, kSixNames, {}, blocks), InputError);
+}
+
+TEST(FitDsd, RefusesThresholdsAndBudgetsThatCannotBe) {
+  const Matrix x = definitive_screening_design(6).coded;
+  const Vector y = x.col(0) + noise(x.rows(), 1.0, 1);
+  EXPECT_THROW(fit_definitive_screening(x, y, kSixNames, {.alpha_second = 1.0}), InputError);
+  EXPECT_THROW(fit_definitive_screening(x, y, kSixNames, {.search_budget = 0}), InputError);
+  EXPECT_THROW(fit_definitive_screening(x, y, kSixNames, {}, {1, 2}), InputError);
 }
 
 TEST(FitDsd, RefusesADesignWithoutEnoughPairs) {

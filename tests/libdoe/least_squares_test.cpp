@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "csv.hpp"
-#include "repose/base/random.hpp"
 #include "repose/doe/distributions.hpp"
 
 namespace repose::doe {
@@ -123,37 +122,6 @@ TEST(LeastSquares, WithoutResidualDegreesOfFreedomGivesNoTests) {
   EXPECT_EQ(fit.residual_df, 0);
   EXPECT_TRUE(fit.coefficients.isApprox(Vector::LinSpaced(3, 1.0, 3.0), 1e-15));
   EXPECT_TRUE(std::isnan(fit.sigma) && std::isnan(fit.p(0)));
-}
-
-Matrix random_matrix(Eigen::Index rows, Eigen::Index columns, std::uint64_t seed) {
-  RandomStream random(seed);
-  Matrix m(rows, columns);
-  for (Eigen::Index j = 0; j < columns; ++j)
-    for (Eigen::Index i = 0; i < rows; ++i) m(i, j) = random.normal();
-  return m;
-}
-
-TEST(AnalysisOfVariance, EqualsRefittingWithoutTheTerm) {
-  Matrix x = random_matrix(25, 6, 1);
-  x.col(0).setOnes();
-  const Vector y = random_matrix(25, 1, 2);
-  const LeastSquaresFit full = fit_least_squares(x, y, {"1", "a", "b", "c1", "c2", "d"});
-  const auto rows = analysis_of_variance(full, {{"a", {1}}, {"c", {3, 4}}});
-  Matrix without_a(25, 5), without_c(25, 4);
-  without_a << x.col(0), x.rightCols(4);
-  without_c << x.leftCols(3), x.col(5);
-  const double ss_a = fit_least_squares(without_a, y).residual_ss - full.residual_ss;
-  const double ss_c = fit_least_squares(without_c, y).residual_ss - full.residual_ss;
-  // Rounding of differences of residual sums of squares of about 20.
-  EXPECT_NEAR(rows[0].sum_of_squares, ss_a, 1e-13 * full.residual_ss);
-  EXPECT_NEAR(rows[1].sum_of_squares, ss_c, 1e-13 * full.residual_ss);
-  EXPECT_NEAR(rows[0].f, full.t(1) * full.t(1), 1e-12 * rows[0].f);
-  EXPECT_NEAR(rows[0].p, full.p(1), 1e-12);
-  EXPECT_EQ(rows[1].df, 2);
-  EXPECT_NEAR(rows[1].f, ss_c / 2 / (full.residual_ss / 19), 1e-11 * rows[1].f);
-  EXPECT_EQ(analysis_of_variance(full).size(), 5u);
-  EXPECT_THROW(analysis_of_variance(full, {{"e", {6}}}), InputError);
-  EXPECT_THROW(analysis_of_variance(full, {{"e", {}}}), InputError);
 }
 
 // P(F > f; 2, d) = (1 + 2 f/d)^(-d/2) and P(|T| > t; 1) = 2/pi atan(1/t), P(|T| > t; 2) = 1 -

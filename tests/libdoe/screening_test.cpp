@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "csv.hpp"
@@ -236,6 +237,42 @@ TEST(Screening, OfOneRepetitionHasNoPooledTest) {
   const Screening result = screen(x, letters(5), {"y"}, {noisy(5.0 * x.col(1), 1, 1.0, 8)});
   EXPECT_TRUE(result.selected[1]);
   EXPECT_TRUE(result.responses[0].pooled_p_value.array().isNaN().all());
+}
+
+TEST(Screening, WithBlocksSeesThroughTheirLevels) {
+  const Matrix x = definitive_screening_design(6).coded;
+  std::vector<int> blocks(static_cast<std::size_t>(x.rows()), 1);
+  Vector levels = Vector::Zero(x.rows());
+  for (Eigen::Index i = 0; i < x.rows(); ++i)
+    if (x(i, 0) * x(i, 1) > 0.0) {  // the same for both runs of a pair
+      blocks[static_cast<std::size_t>(i)] = 2;
+      levels(i) = 30.0;
+    }
+  const Matrix values = noisy(2.0 * x.col(3), 3, 0.5, 9).colwise() + levels;
+  for (const auto method : {Method::stepwise, Method::fit_dsd}) {
+    const auto with = screen(x, letters(6), {"angle"}, {values}, {.method = method}, blocks);
+    EXPECT_TRUE(with.selected[3]);
+    EXPECT_EQ(with.responses[0].models[0].fit.names.back(), "block 2");
+    EXPECT_LT(with.responses[0].models[0].fit.sigma, 2.0);
+    const auto without = screen(x, letters(6), {"angle"}, {values}, {.method = method});
+    EXPECT_GT(without.responses[0].models[0].fit.sigma, 3.0);
+  }
+  EXPECT_THROW(screen(x, letters(6), {"angle"}, {values}, {}, {1, 2}), InputError);
+}
+
+TEST(Screening, DiagnosesItsFinalModels) {
+  const Matrix x = definitive_screening_design(6).coded;
+  Matrix values = noisy(2.0 * x.col(3) + x.col(1), 3, 0.5, 9);
+  values(4, 1) = std::nan("");
+  const auto result = screen(x, letters(6), {"angle"}, {values});
+  const FinalModel& model = result.responses[0].models[1];
+  ASSERT_EQ(model.runs.size(), static_cast<std::size_t>(x.rows() - 1));
+  EXPECT_EQ(std::count(model.runs.begin(), model.runs.end(), 4), 0);
+  const Matrix used = x(model.runs, Eigen::all);
+  const Vector y = values.col(1)(model.runs);
+  EXPECT_EQ(model.diagnostics.press, diagnose_regression(model_matrix(used, model.terms), y).press);
+  EXPECT_NEAR(result.responses[0].run_means(4), 0.5 * (values(4, 0) + values(4, 2)), 1e-14);
+  EXPECT_EQ(result.responses[0].signal.alpha, signal_to_repetition(values).alpha);
 }
 
 TEST(Screening, RefusesInputThatDoesNotFit) {

@@ -3,10 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 #include "csv.hpp"
 #include "expected.hpp"
 #include "repose/base/random.hpp"
 #include "repose/doe/designs.hpp"
+#include "repose/doe/regression_diagnostics.hpp"
 
 namespace repose::doe {
 namespace {
@@ -108,6 +113,118 @@ TEST(Stepwise, BackwardEqualsDroppingTheLargestPUntilAllAreBelowTheThreshold) {
   }
   EXPECT_EQ(result.terms, terms);
   EXPECT_EQ(result.path.size(), 15u - terms.size());
+}
+
+/// The criterion of a model by fitting it.
+double criterion_of(const test::Case& example, const std::vector<Term>& terms, StoppingRule rule) {
+  const LeastSquaresFit fit = fit_least_squares(model_matrix(example.coded, terms), example.y);
+  const InformationCriteria criteria = information_criteria(
+      fit.residual_ss, static_cast<int>(example.y.size()), static_cast<int>(terms.size()) + 1);
+  return rule == StoppingRule::bic ? criteria.bic : criteria.aicc;
+}
+
+class StepwiseCriterion : public testing::TestWithParam<StoppingRule> {};
+
+TEST_P(StepwiseCriterion, ForwardTakesTheBestModelOfTheGreedyPath) {
+  const test::Case example = test::read_case(kFifteen);
+  const auto candidates = candidate_terms(15, CandidateTerms::main_effects);
+  const StepwiseResult result =
+      stepwise_regression(example.coded, example.y, example.factors, candidates,
+                          {.stop = GetParam(), .direction = StepDirection::forward});
+  std::vector<Term> terms, best;  // the slow twin
+  double least = criterion_of(example, terms, GetParam());
+  while (terms.size() < candidates.size()) {
+    std::vector<Term> next;
+    double next_value = std::numeric_limits<double>::infinity();
+    for (const Term& candidate : candidates) {
+      if (std::find(terms.begin(), terms.end(), candidate) != terms.end()) continue;
+      std::vector<Term> trial = terms;
+      trial.push_back(candidate);
+      const double value = criterion_of(example, trial, GetParam());
+      if (value < next_value) {
+        next_value = value;
+        next = trial;
+      }
+    }
+    terms = next;
+    const StepwiseStep& step = result.path.at(terms.size() - 1);
+    EXPECT_EQ(step.term, terms.back());
+    EXPECT_NEAR(GetParam() == StoppingRule::bic ? step.bic : step.aicc, next_value, 1e-9);
+    if (next_value < least) {
+      least = next_value;
+      best = terms;
+    }
+  }
+  EXPECT_EQ(result.terms, best);
+  EXPECT_EQ(result.chosen, best.size());
+  EXPECT_EQ(result.path.size(), candidates.size());
+}
+
+TEST_P(StepwiseCriterion, MixedEndsWhereNoSingleStepImproves) {
+  const test::Case example = test::read_case(kFifteen);
+  const auto candidates = candidate_terms(15, CandidateTerms::main_and_second_order);
+  const StepwiseResult result =
+      stepwise_regression(example.coded, example.y, example.factors, candidates,
+                          {.stop = GetParam(), .rule = HierarchyRule::none});
+  const double here = criterion_of(example, result.terms, GetParam());
+  ASSERT_FALSE(result.terms.empty());
+  for (const Term& candidate : candidates) {
+    std::vector<Term> other = result.terms;
+    const auto at = std::find(other.begin(), other.end(), candidate);
+    if (at == other.end())
+      other.push_back(candidate);
+    else
+      other.erase(at);
+    EXPECT_GE(criterion_of(example, other, GetParam()), here - 1e-9);
+  }
+}
+
+TEST_P(StepwiseCriterion, BackwardIsNeverWorseThanAllCandidates) {
+  const test::Case example = test::read_case(kFifteen);
+  const auto candidates = candidate_terms(15, CandidateTerms::main_effects);
+  const StepwiseResult result =
+      stepwise_regression(example.coded, example.y, example.factors, candidates,
+                          {.stop = GetParam(), .direction = StepDirection::backward});
+  for (const StepwiseStep& step : result.path) EXPECT_EQ(step.action, StepwiseStep::Action::leave);
+  EXPECT_EQ(result.path.size(), candidates.size());
+  EXPECT_LE(criterion_of(example, result.terms, GetParam()),
+            criterion_of(example, candidates, GetParam()) + 1e-9);
+}
+
+INSTANTIATE_TEST_SUITE_P(Criteria, StepwiseCriterion,
+                         testing::Values(StoppingRule::aicc, StoppingRule::bic),
+                         [](const auto& parameter) {
+                           return parameter.param == StoppingRule::bic ? "Bic" : "Aicc";
+                         });
+
+TEST(Stepwise, KeepsBlocksInEveryModel) {
+  const Matrix coded = definitive_screening_design(6).coded;
+  std::vector<int> blocks;
+  Vector y = coded.col(1);
+  for (Eigen::Index i = 0; i < coded.rows(); ++i) {
+    blocks.push_back(static_cast<int>(i % 2));
+    y(i) += 100.0 * blocks.back() + 0.05 * std::sin(7.0 * static_cast<double>(i));
+  }
+  const std::vector<std::string> factors{"a", "b", "c", "d", "e", "f"};
+  const auto terms = candidate_terms(6, CandidateTerms::main_effects);
+  const StepwiseResult with = stepwise_regression(coded, y, factors, terms, {}, blocks);
+  EXPECT_EQ(with.fit.names.back(), "block 1");
+  EXPECT_NEAR(with.fit.coefficients.tail(1)(0), 100.0, 0.1);
+  EXPECT_EQ(with.terms.front(), main_effect(1));
+  EXPECT_TRUE(stepwise_regression(coded, y, factors, terms).terms.empty());
+}
+
+TEST(Stepwise, BackwardNeedsAResidualToBeginWith) {
+  const Matrix coded = definitive_screening_design(6).coded;
+  try {
+    stepwise_regression(coded, coded.col(0), {"a", "b", "c", "d", "e", "f"},
+                        candidate_terms(6, CandidateTerms::main_and_second_order),
+                        {.direction = StepDirection::backward});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("all 28 columns, and 17 runs"), std::string::npos)
+        << error.what();
+  }
 }
 
 TEST(Stepwise, ForwardNeverRemoves) {

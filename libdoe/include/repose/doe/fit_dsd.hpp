@@ -2,17 +2,21 @@
 // effects of the active ones.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
+#include "repose/doe/anova.hpp"
 #include "repose/doe/least_squares.hpp"
 #include "repose/doe/model_terms.hpp"
 
 namespace repose::doe {
 
+/// Which second-order terms the active main effects let in.
 enum class Heredity {
-  strong,  ///< both factors of an interaction must be active
-  weak,    ///< one suffices; a quadratic needs its factor in either case
+  strong,  ///< all factors of the term must be active
+  weak,    ///< one of them
+  none,    ///< none: terms of inactive factors too
 };
 
 struct FitDsdOptions {
@@ -22,9 +26,13 @@ struct FitDsdOptions {
   double alpha_more_df = 0.05;
   /// Stage 2 stops adding terms once what is left compares with stage 1's error at p above this.
   double alpha_second = 0.20;
-  Heredity heredity = Heredity::strong;
-  /// Subsets of one size examined at most; beyond it terms are added greedily.
-  double subset_budget = 2.0e5;
+  Heredity interactions = Heredity::strong;
+  Heredity quadratics = Heredity::strong;
+  /// Stage 2 chooses this many terms at most; negative: half as many as there are pairs.
+  int most_second_order = -1;
+  /// Nodes of the search for the best subset of one size. Beyond it the best subset met is kept and
+  /// Step::exact is false.
+  std::int64_t search_budget = 50000;
 };
 
 struct FitDsdResult {
@@ -45,7 +53,7 @@ struct FitDsdResult {
   double stage1_sigma = 0.0;  ///< after pooling the inactive main effects
   int stage1_df = 0;
   // Stage 2
-  double second_ss = 0.0;  ///< of the even part of y about its mean, without pure error
+  double second_ss = 0.0;  ///< of the even part of y about its mean (of blocks), without pure error
   int second_df = 0;
   double second_f = 0.0;
   double second_p = 1.0;
@@ -54,21 +62,26 @@ struct FitDsdResult {
     double residual_ss = 0.0;
     double f = 0.0;
     double p = 0.0;
-    bool exhaustive = true;
+    bool exact = true;       ///< no subset of this size leaves less
+    std::int64_t nodes = 0;  ///< of the search
   };
   std::vector<Step> steps;
   std::vector<Term> second_order;  ///< chosen
-  // Combined model: intercept, active main effects, chosen second-order terms
+  // Combined model: intercept, active main effects, chosen second-order terms, then blocks
+  std::vector<int> runs;  ///< that it is fitted to: complete pairs and centre runs
   std::vector<Term> terms;
   LeastSquaresFit fit;
   std::vector<AnovaRow> anova;
 };
 
 /// [JonesNachtsheim2017], with the details of docs/methods/screening.md. `coded` must consist of
-/// fold-over pairs and centre runs; single runs (a mirror image failed) are left out. Throws
-/// InputError if fewer pairs than factors remain or `y` is not finite.
+/// fold-over pairs and centre runs; single runs (a mirror image failed) are left out. `blocks`
+/// numbers the block of each run, empty for none; both runs of a pair stand in one block, and
+/// blocks are always in the model. Throws InputError if fewer pairs than factors remain, a pair is
+/// split between blocks, an option is out of range or `y` is not finite.
 FitDsdResult fit_definitive_screening(const Matrix& coded, const Vector& y,
                                       const std::vector<std::string>& factors,
-                                      const FitDsdOptions& options = {});
+                                      const FitDsdOptions& options = {},
+                                      const std::vector<int>& blocks = {});
 
 }  // namespace repose::doe

@@ -35,26 +35,4 @@ struct LeastSquaresFit {
 LeastSquaresFit fit_least_squares(const Matrix& x, const Vector& y,
                                   std::vector<std::string> names = {});
 
-/// The columns of a model matrix that stand and fall together.
-struct ColumnGroup {
-  std::string name;
-  std::vector<int> columns;
-};
-
-struct AnovaRow {
-  std::string term;
-  double sum_of_squares = 0.0;  ///< by which the residual grows if the term is dropped (type III)
-  int df = 0;
-  double f = 0.0;
-  double p = 0.0;
-};
-
-/// The F test of dropping each group from the fitted model. Throws InputError if a group is empty
-/// or names a column that the fit does not have.
-std::vector<AnovaRow> analysis_of_variance(const LeastSquaresFit& fit,
-                                           const std::vector<ColumnGroup>& groups);
-
-/// The same for every column but those called "1".
-std::vector<AnovaRow> analysis_of_variance(const LeastSquaresFit& fit);
-
 }  // namespace repose::doe

@@ -36,13 +36,17 @@ std::vector<Term> candidate_terms(int factors, CandidateTerms which);
 
 /// `mu_s`, `mu_s*mu_r`, `mu_s^2`.
 std::string term_name(const Term& term, const std::vector<std::string>& factors);
-/// "1" for the intercept, then the terms' names: the columns of model_matrix().
+/// "1" for the intercept, then the terms' names, then "block 2" ...: the columns of model_matrix().
 std::vector<std::string> column_names(const std::vector<Term>& terms,
-                                      const std::vector<std::string>& factors);
+                                      const std::vector<std::string>& factors,
+                                      const std::vector<int>& blocks = {});
 
-/// runs x (1 + terms): a column of ones, then one column a term. `coded` is runs x factors. Throws
-/// InputError if a term names a factor that `coded` does not have.
-Matrix model_matrix(const Matrix& coded, const std::vector<Term>& terms);
+/// A column of ones, then one column a term, then one for each block but the one with the lowest
+/// number: 1 in its runs, else 0. `coded` is runs x factors, `blocks` numbers the block of each
+/// run, empty for none. Throws InputError if a term names a factor that `coded` does not have, or
+/// lengths differ.
+Matrix model_matrix(const Matrix& coded, const std::vector<Term>& terms,
+                    const std::vector<int>& blocks = {});
 
 /// The column of one term.
 Vector term_column(const Matrix& coded, const Term& term);

@@ -4,7 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "repose/doe/effect_size.hpp"
 #include "repose/doe/fit_dsd.hpp"
+#include "repose/doe/regression_diagnostics.hpp"
 #include "repose/doe/stepwise.hpp"
 #include "repose/doe/variance.hpp"
 
@@ -26,16 +28,21 @@ struct ScreeningOptions {
   CandidateTerms candidates = CandidateTerms::main_and_second_order;  ///< stepwise only
   StepDirection direction = StepDirection::mixed;                     ///< stepwise only
   HierarchyRule rule = HierarchyRule::combine;                        ///< stepwise only
+  StoppingRule stop = StoppingRule::p_value;                          ///< stepwise only
   FitDsdOptions fit_dsd = {};                                         ///< fit_dsd only
 };
 
 /// What the analysis of one repetition ended with.
 struct FinalModel {
   std::vector<Term> terms;
-  LeastSquaresFit fit;  ///< of intercept and terms, in this order
+  std::vector<Eigen::Index> runs;  ///< that it was fitted to; the others failed
+  LeastSquaresFit fit;             ///< of intercept, terms and blocks, in this order
+  RegressionDiagnostics diagnostics;
+  LackOfFit lack_of_fit;
+  InformationCriteria criteria;
 };
 
-/// One response; vectors have one value a factor.
+/// One response; vectors have one value a factor unless said otherwise.
 struct ResponseScreening {
   std::string response;
   Vector count;  ///< repetitions in which the factor or a term that contains it is significant
@@ -52,8 +59,10 @@ struct ResponseScreening {
   /// factors and responses of the screening being one family [BenjaminiHochberg1995].
   Vector false_discovery_rate;
   Vector pooled_standard_error;  ///< of the main effect in that fit; NaN without repetitions
-  Vector effect;  ///< coefficient of the main effect in coded units, mean over repetitions
+  Vector effect;     ///< coefficient of the main effect in coded units, mean over repetitions
+  Vector run_means;  ///< one a run, over its repetitions; NaN where all failed
   VarianceDecomposition variance;
+  SignalToRepetition signal;       ///< alpha; NaN without repetitions
   std::vector<FinalModel> models;  ///< of the repetitions
 };
 
@@ -66,11 +75,12 @@ struct Screening {
 
 /// `coded` is runs x factors; responses[r] is runs x repetitions, the same number for all. NaN
 /// marks a failed run: it is left out of that repetition. Each repetition must keep two runs more
-/// than there are factors and estimable main effects. Throws InputError naming response and
-/// repetition otherwise.
+/// than there are factors and estimable main effects. `blocks` numbers the block of each run, empty
+/// for none; blocks are in every model. Throws InputError naming response and repetition otherwise.
 Screening screen(const Matrix& coded, const std::vector<std::string>& factors,
                  const std::vector<std::string>& response_names,
-                 const std::vector<Matrix>& responses, const ScreeningOptions& options = {});
+                 const std::vector<Matrix>& responses, const ScreeningOptions& options = {},
+                 const std::vector<int>& blocks = {});
 
 /// Adjusted p values p_(i) min_{j >= i} m/j p_(j) of m tests [BenjaminiHochberg1995]: those below q
 /// have an expected share of at most q that is false. NaN stays NaN and does not count. Throws
