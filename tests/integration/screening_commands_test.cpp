@@ -208,6 +208,116 @@ TEST(ScreenCommand, PrintsTablesAndDrawsFigures) {
   EXPECT_EQ(figure.find("mu_r_pp"), std::string::npos);
 }
 
+// The runs reach about 45; mu_s_pp raises the angle by 3 a half range, mu_r_ss lowers it by 2.
+TEST(ScreenCommand, TellsWhichTargetsLieOutsideTheRunsAndWhereToMove) {
+  const Workbench bench;
+  write_screening_table(bench);
+  bench.write("limits.toml",
+              "[parameters]\nmu_s_pp = { lower = -1.0, upper = 1.25 }\n"
+              "mu_r_ss = { lower = -3.0, upper = 3.0 }\n");
+  const std::string arguments =
+      "screen runs.csv --response angle,flow/1 --replicate repetition --target angle=47+-0.5 "
+      "--target flow/1=2 --limits limits.toml --ranges moved.toml";
+  const auto said = bench.run("repose", arguments);
+  EXPECT_EQ(said.code, 0) << said.err;
+  expect_readable(said.out);
+  for (const char* text : {"ABOVE all runs", "raise mu_s_pp; lower mu_r_ss",
+                           "no factor is significant: there is nothing to move",
+                           "this KPI cannot calibrate", "(at its limit)"})
+    EXPECT_NE(said.out.find(text), std::string::npos) << text << "\n" << said.out;
+  const auto result = json::parse(bench.run("repose", arguments + " --json").out)["coverage"];
+  const auto& angle = result["targets"][0];
+  EXPECT_EQ(angle["position"], "above");
+  EXPECT_TRUE(angle["can_calibrate"]);
+  EXPECT_FALSE(result["targets"][1]["can_calibrate"]);
+  EXPECT_EQ(angle["move"], json({{"mu_s_pp", "raise"}, {"mu_r_ss", "lower"}}));
+  EXPECT_NEAR(angle["gap"].get<double>(), 47.5 - angle["highest_run"].get<double>(), 1e-12);
+  for (const auto& range : result["ranges"]) {
+    if (range["factor"] == "mu_s_pp") {
+      EXPECT_EQ(range["upper"], 1.25);
+      EXPECT_TRUE(range["at_limit"]);
+    } else if (range["factor"] == "mu_r_ss") {
+      // 3 * 0.25 of the gap and its margin are done by mu_s_pp, the rest is 2 delta.
+      const double delta = (1.25 * angle["gap"].get<double>() - 0.75) / 2.0;
+      EXPECT_NEAR(range["lower"].get<double>(), -1.0 - std::min(1.0, delta), 0.1);
+    } else {
+      EXPECT_FALSE(range["lower_extended"] || range["upper_extended"]);
+    }
+  }
+  // The file serves as --factors of a new design, and holds what was proposed.
+  EXPECT_EQ(bench.run("repose", "design dsd --factors moved.toml -o next.csv").code, 0);
+  EXPECT_NE(test::text_of(bench / "moved.toml").find("\"mu_s_pp\" = { lower = -1, upper = 1.25 }"),
+            std::string::npos)
+      << test::text_of(bench / "moved.toml");
+  const auto inside = bench.run(
+      "repose", "screen runs.csv --response angle,flow/1 --replicate repetition --target angle=40");
+  EXPECT_NE(inside.out.find("enclosed"), std::string::npos) << inside.out;
+  EXPECT_EQ(inside.out.find("Proposed ranges"), std::string::npos);
+  for (const char* wrong : {"angle", "angle=", "angle=a", "angle=41+-", "angle=41+-b", "mass=1"})
+    EXPECT_EQ(bench
+                  .run("repose",
+                       "screen runs.csv --response angle,flow/1 --replicate repetition "
+                       "--target " +
+                           std::string(wrong))
+                  .code,
+              3)
+        << wrong;
+}
+
+TEST(ScreenCommand, PrintsTheAnalysisOfVarianceAndDiagnosticsOfItsFinalModels) {
+  const Workbench bench;
+  write_screening_table(bench);
+  const std::string arguments =
+      "screen runs.csv --response angle,flow/1 --replicate repetition --terms second-order "
+      "--stop bic --direction forward --anova 1";
+  const auto said = bench.run("repose", arguments);
+  EXPECT_EQ(said.code, 0) << said.err;
+  expect_readable(said.out);
+  for (const char* text :
+       {"forward", "smallest BIC", "analysis of variance, type I, of repetition 6", "predicted"})
+    EXPECT_NE(said.out.find(text), std::string::npos) << text << "\n" << said.out;
+  const auto result = json::parse(bench.run("repose", arguments + " --json").out);
+  const auto& model = result["responses"][0]["models"][0];
+  double sum = 0.0;
+  for (const auto& row : model["anova"]["type_one"]) sum += row["sum_of_squares"].get<double>();
+  const double residual = model["sigma"].get<double>() * model["sigma"].get<double>() *
+                          model["residual_df"].get<double>();
+  EXPECT_NEAR(model["r_squared"].get<double>(), sum / (sum + residual), 1e-12);
+  EXPECT_EQ(model["runs"].size(), 37u);
+  EXPECT_LT(model["predicted_r_squared"], model["r_squared"]);
+  EXPECT_TRUE(model["terms"][0]["variance_inflation"].is_null());  // the intercept
+  EXPECT_GT(result["responses"][0]["alpha"], result["responses"][0]["alpha_of_noise"]);
+}
+
+TEST(ScreenCommand, KeepsBlocksInEveryModel) {
+  const Workbench bench;
+  write_screening_table(bench);
+  auto table = table::read_table({bench / "runs.csv", ""}, table::Missing::allow);
+  std::vector<std::int64_t> block;
+  std::vector<double> angle = table.numbers("angle");
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    // The same for both runs of a pair.
+    const bool later = table.numbers("mu_s_ss")[i] * table.numbers("mu_s_ps")[i] > 0.0;
+    block.push_back(later ? 2 : 1);
+    if (later) angle[i] += 50.0;
+  }
+  table::Table blocked;
+  for (auto c : table.columns()) {
+    if (c.name == "angle") c.values = angle;
+    if (c.name != "flow/1") blocked.add(c);
+  }
+  blocked.add({.name = "block", .range = {}, .values = block});
+  table::write_table({bench / "blocked.csv", ""}, blocked);
+  for (const std::string method : {"stepwise", "fit-dsd --quadratics none --alpha-second 0.1"}) {
+    const auto said = bench.run("repose",
+                                "screen blocked.csv --response angle --replicate repetition --json "
+                                "--method " +
+                                    method);
+    ASSERT_EQ(said.code, 0) << said.err;
+    EXPECT_EQ(json::parse(said.out)["selected"], json({"mu_s_pp", "mu_r_ss"}));
+  }
+}
+
 TEST(ScreenCommand, SaysWhatItCannotAnalyse) {
   const Workbench bench;
   write_screening_table(bench);

@@ -4,18 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <sstream>
 
-#include "csv.hpp"
+#include "nist.hpp"
 #include "repose/base/random.hpp"
 
 namespace repose::doe {
 namespace {
-
-double digits(double value, double certified) {
-  const double error = std::abs(value / certified - 1.0);
-  return error == 0.0 ? 15.0 : std::min(15.0, -std::log10(error));
-}
 
 TEST(VarianceDecomposition, OfThreeRunsWithThreeRepetitionsIsTheWorkedExample) {
   Matrix values(3, 3);
@@ -80,64 +74,18 @@ TEST(VarianceDecomposition, RefusesTooFewRunsAndInfiniteValues) {
   EXPECT_THROW(decompose_variance(Matrix::Constant(3, 3, INFINITY)), InputError);
 }
 
-double certified(const std::string& dataset, const std::string& quantity) {
-  for (const auto& row : test::read_csv("nist/certified_anova.csv").rows)
-    if (row[0] == dataset && row[2] == quantity) return std::stod(row[3]);
-  throw InputError(dataset + " has no " + quantity);
+class NistAnova : public testing::TestWithParam<test::NistAnova> {};
+
+TEST_P(NistAnova, IsReproducedToTheDigitsThatTheInputLeaves) {
+  const auto digits = test::digits_of(GetParam());
+  EXPECT_GT(digits.f, GetParam().digits);
+  EXPECT_GT(digits.between_ss, GetParam().digits - 0.5);
+  EXPECT_GT(digits.within_ss, GetParam().digits - 0.5);
+  EXPECT_GT(digits.share, GetParam().digits - 0.5);
 }
 
-/// Treatments are runs, observations are repetitions.
-Matrix read_nist(const std::string& name, int treatments, int repetitions) {
-  std::istringstream text(
-      read_file(std::filesystem::path(REPOSE_TEST_DATA) / "doe" / "nist" / (name + ".dat")));
-  std::string line;  // the data follow the second line that begins with "Data:"
-  for (int found = 0; found < 2 && std::getline(text, line);)
-    found += line.rfind("Data:", 0) == 0 ? 1 : 0;
-  Matrix values(treatments, repetitions);
-  std::vector<int> filled(static_cast<std::size_t>(treatments), 0);
-  int treatment = 0;
-  double value = 0.0;
-  while (text >> treatment >> value)
-    values(treatment - 1, filled[static_cast<std::size_t>(treatment - 1)]++) = value;
-  return values;
-}
-
-void expect_certified(const std::string& name, const Matrix& values, double digits_of_f) {
-  const VarianceDecomposition v = decompose_variance(values);
-  EXPECT_GT(digits(v.between_ss, certified(name, "ss_between")), digits_of_f - 0.5) << name;
-  EXPECT_GT(digits(v.within_ss, certified(name, "ss_within")), digits_of_f - 0.5) << name;
-  EXPECT_GT(digits(v.f, certified(name, "F")), digits_of_f - 0.5) << name;
-  EXPECT_GT(digits(v.parameter_share, certified(name, "r_squared")), digits_of_f - 0.5) << name;
-}
-
-TEST(NistAnalysisOfVariance, IsReproducedForMeasuredData) {
-  expect_certified("SiRstv", read_nist("SiRstv", 5, 5), 13.0);
-  expect_certified("AtmWtAg", read_nist("AtmWtAg", 2, 24),
-                   10.0);  // seven leading digits are constant
-}
-
-/// y_ij = C + o_i + e_j as decimals, correctly rounded: o = 0, -.1, .1, ...; e = .4, .3, .5, .3,
-/// ...
-Matrix simon_lesage(double constant, int repetitions) {
-  Matrix values(9, repetitions);
-  for (int i = 0; i < 9; ++i)
-    for (int j = 0; j < repetitions; ++j) {
-      const int o = i == 0 ? 0 : (i % 2 == 1 ? -1 : 1);
-      const int e = j == 0 ? 4 : (j % 2 == 1 ? 3 : 5);
-      values(i, j) = (10.0 * constant + o + e) / 10.0;
-    }
-  return values;
-}
-
-// With 13 constant digits the input itself is rounded to four digits of what varies.
-TEST(NistAnalysisOfVariance, KeepsTheDigitsThatRoundedInputLeaves) {
-  const char* names[] = {"SmLs01", "SmLs02", "SmLs03", "SmLs04", "SmLs05",
-                         "SmLs06", "SmLs07", "SmLs08", "SmLs09"};
-  const double constants[] = {1.0, 1e6, 1e12}, reached[] = {14.0, 9.2, 3.2};
-  const int repetitions[] = {21, 201, 2001};
-  for (int i = 0; i < 9; ++i)
-    expect_certified(names[i], simon_lesage(constants[i / 3], repetitions[i % 3]), reached[i / 3]);
-}
+INSTANTIATE_TEST_SUITE_P(StRD, NistAnova, testing::ValuesIn(test::nist_anovas()),
+                         [](const auto& parameter) { return parameter.param.name; });
 
 }  // namespace
 }  // namespace repose::doe

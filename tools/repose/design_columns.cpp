@@ -21,7 +21,7 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
 
 /// Not a factor unless it is asked for: how runs are customarily numbered.
 bool numbers_runs(const std::string& name) {
-  constexpr std::array kNames{"run",       "row",        "id",  "pair", "pair_id",
+  constexpr std::array kNames{"run",       "row",        "id",  "pair", "pair_id", "block",
                               "replicate", "repetition", "rep", "seed", "point"};
   return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
 }

@@ -9,6 +9,7 @@
 #include "command.hpp"
 #include "design_columns.hpp"
 #include "repose/base/error.hpp"
+#include "repose/base/file.hpp"
 #include "repose/base/text.hpp"
 #include "repose/table/io.hpp"
 #include "screen_report.hpp"
@@ -24,6 +25,11 @@ struct ScreenOptions {
   std::string replicate;
   std::string method = "stepwise";
   std::string terms = "main";
+  std::string block;
+  std::string direction, rule = "combine", stop = "p-value";
+  std::string anova;
+  std::vector<std::string> targets;
+  std::string limits, ranges;
   std::string plots;
   doe::ScreeningOptions analysis;
 };
@@ -43,6 +49,7 @@ std::string replicate_column(const table::Table& table, const std::string& named
 struct RunsAndRepetitions {
   std::vector<std::string> repetitions;
   Matrix coded;                                 ///< of the runs
+  std::vector<int> blocks;                      ///< of the runs; empty without
   std::vector<std::vector<Eigen::Index>> rows;  ///< [run][repetition], -1 where there is none
 };
 
@@ -54,7 +61,9 @@ std::vector<std::string> sorted_labels(std::vector<std::string> labels) {
   return labels;
 }
 
-RunsAndRepetitions sort_rows(const Matrix& coded, const std::vector<std::string>& labels) {
+/// The same levels in different blocks are different runs.
+RunsAndRepetitions sort_rows(const Matrix& coded, const std::vector<std::string>& labels,
+                             const std::vector<int>& blocks) {
   RunsAndRepetitions result;
   result.repetitions = sorted_labels(labels);
   const bool repeated = result.repetitions.size() > 1;
@@ -66,7 +75,8 @@ RunsAndRepetitions sort_rows(const Matrix& coded, const std::vector<std::string>
   for (Eigen::Index row = 0; row < coded.rows(); ++row) {
     const std::size_t repetition = number.at(labels[static_cast<std::size_t>(row)]);
     const Vector vector = coded.row(row);
-    const std::vector<double> levels(vector.begin(), vector.end());
+    std::vector<double> levels(vector.begin(), vector.end());
+    if (!blocks.empty()) levels.push_back(blocks[static_cast<std::size_t>(row)]);
     auto& runs = runs_with[levels];
     const std::size_t occurrence = repeated ? met[{levels, repetition}]++ : runs.size();
     if (occurrence == runs.size()) {
@@ -77,6 +87,9 @@ RunsAndRepetitions sort_rows(const Matrix& coded, const std::vector<std::string>
     result.rows[runs[occurrence]][repetition] = row;
   }
   result.coded = coded(first_rows, Eigen::all);
+  if (!blocks.empty())
+    for (const auto row : first_rows)
+      result.blocks.push_back(blocks[static_cast<std::size_t>(row)]);
   return result;
 }
 
@@ -92,6 +105,37 @@ Matrix response_values(const RunsAndRepetitions& runs, const std::vector<double>
   return values;
 }
 
+template <typename Value>
+Value chosen(const std::string& name, const std::map<std::string, Value>& values) {
+  return values.at(name);  // CLI11 has checked the name
+}
+
+const std::map<std::string, doe::StepDirection> kDirections{
+    {"forward", doe::StepDirection::forward},
+    {"backward", doe::StepDirection::backward},
+    {"mixed", doe::StepDirection::mixed}};
+const std::map<std::string, doe::HierarchyRule> kRules{
+    {"combine", doe::HierarchyRule::combine},
+    {"combine-joint", doe::HierarchyRule::combine_joint},
+    {"restrict", doe::HierarchyRule::restrict},
+    {"none", doe::HierarchyRule::none}};
+const std::map<std::string, doe::StoppingRule> kStops{{"p-value", doe::StoppingRule::p_value},
+                                                      {"aicc", doe::StoppingRule::aicc},
+                                                      {"bic", doe::StoppingRule::bic}};
+const std::map<std::string, doe::SumsOfSquares> kTypes{{"1", doe::SumsOfSquares::type_one},
+                                                       {"2", doe::SumsOfSquares::type_two},
+                                                       {"3", doe::SumsOfSquares::type_three}};
+const std::map<std::string, doe::Heredity> kHeredities{{"strong", doe::Heredity::strong},
+                                                       {"weak", doe::Heredity::weak},
+                                                       {"none", doe::Heredity::none}};
+
+template <typename Value>
+std::vector<std::string> names_of(const std::map<std::string, Value>& values) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : values) names.push_back(name);
+  return names;
+}
+
 doe::ScreeningOptions analysis_options(const ScreenOptions& options) {
   auto analysis = options.analysis;
   if (options.method == "fit-dsd") analysis.method = doe::ScreeningOptions::Method::fit_dsd;
@@ -99,7 +143,76 @@ doe::ScreeningOptions analysis_options(const ScreenOptions& options) {
     analysis.candidates = doe::CandidateTerms::main_effects;
     analysis.direction = doe::StepDirection::backward;
   }
+  if (!options.direction.empty()) analysis.direction = chosen(options.direction, kDirections);
+  analysis.rule = chosen(options.rule, kRules);
+  analysis.stop = chosen(options.stop, kStops);
   return analysis;
+}
+
+/// The block of each row; empty if the table has none.
+std::vector<int> block_numbers(const table::Table& table, const std::string& named) {
+  const auto names = table.names();
+  if (named.empty() && std::find(names.begin(), names.end(), "block") == names.end()) return {};
+  std::vector<int> blocks;
+  for (const auto block : table.integers(named.empty() ? "block" : named))
+    blocks.push_back(static_cast<int>(block));
+  return blocks;
+}
+
+/// "angle=41", "angle=41+-0.8" or "angle=41±0.8".
+doe::Target target_of(const std::string& text) {
+  const auto refuse = [&] {
+    throw InputError(fmt::format(
+        "--target {}: it must be RESPONSE=VALUE or RESPONSE=VALUE+-TOLERANCE, as in angle=41+-0.8",
+        text));
+  };
+  const auto number = [&](const std::string& part) {
+    std::size_t end = 0;
+    double value = 0.0;
+    try {
+      value = std::stod(part, &end);
+    } catch (const std::exception&) {
+      refuse();
+    }
+    if (end != part.size()) refuse();
+    return value;
+  };
+  const auto equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) refuse();
+  doe::Target target{.response = text.substr(0, equals)};
+  const std::string value = text.substr(equals + 1);
+  for (const std::string sign : {"±", "+-"}) {
+    const auto at = value.find(sign);
+    if (at == std::string::npos) continue;
+    target.value = number(value.substr(0, at));
+    target.tolerance = number(value.substr(at + sign.size()));
+    return target;
+  }
+  target.value = number(value);
+  return target;
+}
+
+std::vector<Parameter> screened_ranges(const CodedDesign& design, const table::Table& table) {
+  std::vector<Parameter> parameters;
+  for (const auto& f : design.factors)
+    parameters.push_back({.name = f.name,
+                          .lower = f.lower,
+                          .upper = f.upper,
+                          .scale = f.scale,
+                          .unit = table.column(f.name).unit});
+  return parameters;
+}
+
+void cover(const ScreenOptions& options, const std::vector<Parameter>& screened,
+           ScreeningReport& report) {
+  std::vector<doe::Target> targets;
+  for (const auto& text : options.targets) targets.push_back(target_of(text));
+  std::vector<Parameter> limits;
+  if (!options.limits.empty()) limits = read_factors(options.limits).parameters();
+  report.coverage = doe::cover_targets(report.screening, targets, ParameterSpace(screened), limits,
+                                       {.vote_share = report.options.vote_share});
+  if (!options.ranges.empty())
+    write_file_atomically(options.ranges, factors_toml(*report.coverage, screened));
 }
 
 void screen(const ScreenOptions& options) {
@@ -108,20 +221,27 @@ void screen(const ScreenOptions& options) {
   const auto replicate = replicate_column(table, options.replicate);
   auto others = responses;
   if (!replicate.empty()) others.push_back(replicate);
+  if (!options.block.empty()) others.push_back(options.block);
   const auto design = coded_design(table, options.factors, others);
-  const auto runs =
-      sort_rows(design.coded, replicate.empty() ? std::vector<std::string>(table.rows(), "1")
-                                                : row_labels(table, replicate));
+  const auto runs = sort_rows(design.coded,
+                              replicate.empty() ? std::vector<std::string>(table.rows(), "1")
+                                                : row_labels(table, replicate),
+                              block_numbers(table, options.block));
   ScreeningReport report{.table = options.table,
                          .repetitions = runs.repetitions,
                          .coded = runs.coded,
                          .values = {},
+                         .blocks = runs.blocks,
                          .options = analysis_options(options),
-                         .screening = {}};
+                         .anova = {},
+                         .screening = {},
+                         .coverage = {}};
+  if (!options.anova.empty()) report.anova = chosen(options.anova, kTypes);
   for (const auto& name : responses)
     report.values.push_back(response_values(runs, table.numbers(name)));
-  report.screening =
-      doe::screen(report.coded, design.names(), responses, report.values, report.options);
+  report.screening = doe::screen(report.coded, design.names(), responses, report.values,
+                                 report.options, report.blocks);
+  if (!options.targets.empty()) cover(options, screened_ranges(design, table), report);
   std::vector<std::filesystem::path> plots;
   if (!options.plots.empty()) plots = write_screening_plots(report, options.plots);
   if (options.common.json) {
@@ -132,6 +252,38 @@ void screen(const ScreenOptions& options) {
   }
   fmt::print("{}", screening_text(report));
   if (!plots.empty()) fmt::print("\n{} figures in {}\n", plots.size(), options.plots);
+  if (!options.ranges.empty()) fmt::print("\nproposed ranges in {}\n", options.ranges);
+}
+
+/// Thresholds of the two-stage analysis.
+void add_two_stage_options(CLI::App& command, doe::FitDsdOptions& options) {
+  const auto threshold = [&](const char* name, double& value, const char* meaning) {
+    command.add_option(name, value, meaning)
+        ->capture_default_str()
+        ->check(CLI::Range(1e-12, 0.999));
+  };
+  threshold("--alpha-1df", options.alpha_one_df, "of fit-dsd, stage 1 with one degree of freedom");
+  threshold("--alpha-2df", options.alpha_two_df, "with two");
+  threshold("--alpha-more", options.alpha_more_df, "with more");
+  threshold("--alpha-second", options.alpha_second,
+            "of fit-dsd, stage 2: terms are added until p\nis "
+            "above it");
+  const auto heredity = [&](const char* name, doe::Heredity& value, const char* meaning) {
+    command
+        .add_option_function<std::string>(
+            name, [&value](const std::string& text) { value = kHeredities.at(text); }, meaning)
+        ->default_str("strong")
+        ->check(CLI::IsMember(names_of(kHeredities)));
+  };
+  heredity("--interactions", options.interactions,
+           "of fit-dsd, stage 2: how many of an interaction's\nfactors must be active, strong "
+           "(both), weak, none");
+  heredity("--quadratics", options.quadratics, "the same of quadratics");
+  command
+      .add_option("--budget", options.search_budget,
+                  "of fit-dsd, nodes of the search for the best subset")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000000000));
 }
 
 }  // namespace
@@ -171,6 +323,39 @@ void add_screen(CLI::App& app) {
                    "share of the repetitions that selects a factor")
       ->capture_default_str()
       ->check(CLI::Range(1e-6, 1.0));
+  command
+      ->add_option("--stop", o->stop,
+                   "of stepwise: p-value (thresholds), or the smallest\naicc or bic")
+      ->capture_default_str()
+      ->check(CLI::IsMember(names_of(kStops)));
+  command
+      ->add_option(
+          "--direction", o->direction,
+          "of stepwise: forward, backward or mixed; backward\nfor --terms main, else mixed")
+      ->check(CLI::IsMember(names_of(kDirections)));
+  command
+      ->add_option("--rule", o->rule,
+                   "of stepwise, for terms whose main effects are not\nin the model: combine, "
+                   "combine-joint, restrict, none")
+      ->capture_default_str()
+      ->check(CLI::IsMember(names_of(kRules)));
+  add_two_stage_options(*command, o->analysis.fit_dsd);
+  command->add_option("--block", o->block,
+                      "column that numbers blocks of runs; \"block\" if\nthere is one");
+  command
+      ->add_option("--anova", o->anova,
+                   "print the final models' analysis of variance, with\nsums of squares of type 1, "
+                   "2 or 3")
+      ->check(CLI::IsMember(names_of(kTypes)));
+  command
+      ->add_option("--target", o->targets,
+                   "RESPONSE=VALUE[+-TOLERANCE], measured: do the runs\nenclose it, and if not, "
+                   "which way must ranges move?")
+      ->delimiter(',');
+  command->add_option("--limits", o->limits,
+                      "factors file with what is physically possible, for\n--target");
+  command->add_option("--ranges", o->ranges,
+                      "factors file to write with the ranges that --target\nproposes");
   command->add_option("--plots", o->plots, "folder for half-normal and main-effect plots (SVG)");
   command->callback([o] { screen(*o); });
 }

@@ -3,10 +3,13 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "repose/doe/anova.hpp"
 #include "repose/doe/screening.hpp"
+#include "repose/doe/target_coverage.hpp"
 
 namespace repose::cli {
 
@@ -16,8 +19,11 @@ struct ScreeningReport {
   std::vector<std::string> repetitions;  ///< their labels
   Matrix coded;                          ///< runs x factors
   std::vector<Matrix> values;            ///< of each response, runs x repetitions
+  std::vector<int> blocks;               ///< of the runs; empty without
   doe::ScreeningOptions options;
+  std::optional<doe::SumsOfSquares> anova;  ///< of the final models, to be shown
   doe::Screening screening;
+  std::optional<doe::TargetCoverage> coverage;
 
   /// Whether the factor reached the vote for this response.
   bool is_selected(const doe::ResponseScreening& response, std::size_t factor) const;
@@ -26,6 +32,20 @@ struct ScreeningReport {
 /// Tables of at most 100 columns.
 std::string screening_text(const ScreeningReport& report);
 nlohmann::json screening_json(const ScreeningReport& report);
+/// Which targets the runs enclose, and the ranges proposed for those they do not.
+std::string coverage_text(const ScreeningReport& report);
+nlohmann::json coverage_json(const ScreeningReport& report);
+/// The proposed ranges as a factors file.
+std::string factors_toml(const doe::TargetCoverage& coverage,
+                         const std::vector<Parameter>& screened);
+/// Analysis of variance of one repetition's final model.
+std::vector<doe::AnovaRow> final_anova(const ScreeningReport& report, std::size_t response,
+                                       std::size_t repetition, doe::SumsOfSquares type);
+/// "-" for NaN.
+std::string p_text(double p);
+std::string number_text(double value);
+/// Long names end in "...".
+std::string clipped(const std::string& name);
 /// The fields of a decomposition as the commands name them.
 nlohmann::json variance_json(const doe::VarianceDecomposition& variance);
 

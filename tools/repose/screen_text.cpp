@@ -15,19 +15,6 @@ using doe::ResponseScreening;
 constexpr std::size_t kWidestName = 24;
 constexpr std::size_t kColumns = 100, kModelWidth = 18;
 
-std::string p_text(double p) {
-  if (std::isnan(p)) return "-";
-  return p < 1e-3 ? fmt::format("{:.0e}", p) : fmt::format("{:.3f}", p);
-}
-
-std::string number_text(double value) {
-  return std::isnan(value) ? "-" : fmt::format("{:.4g}", value);
-}
-
-std::string clipped(const std::string& name) {
-  return name.size() <= kWidestName ? name : name.substr(0, kWidestName - 3) + "...";
-}
-
 std::size_t width_of(const std::vector<std::string>& names) {
   std::size_t width = 8;
   for (const auto& name : names) width = std::max(width, std::min(name.size(), kWidestName));
@@ -37,23 +24,35 @@ std::size_t width_of(const std::vector<std::string>& names) {
 std::string method_text(const doe::ScreeningOptions& options) {
   if (options.method == doe::ScreeningOptions::Method::fit_dsd)
     return fmt::format("two-stage analysis\nsignificant at p < {}", shortest(options.alpha));
-  const bool backward = options.direction == doe::StepDirection::backward;
-  return fmt::format("stepwise, {} {}\n{}leave at p > {}, significant at p < {}",
+  const auto direction = options.direction;
+  std::string stop;
+  if (options.stop != doe::StoppingRule::p_value)
+    stop = options.stop == doe::StoppingRule::bic ? "smallest BIC, " : "smallest AICc, ";
+  if (stop.empty() && direction != doe::StepDirection::backward)
+    stop += fmt::format("enter at p <= {}, ", shortest(options.alpha));
+  if (options.stop == doe::StoppingRule::p_value && direction != doe::StepDirection::forward)
+    stop += fmt::format("leave at p > {}, ", shortest(std::max(options.p_leave, options.alpha)));
+  return fmt::format("stepwise, {} {}\n{}significant at p < {}",
                      options.candidates == doe::CandidateTerms::main_effects
                          ? "main effects"
                          : "main and second-order effects",
-                     backward ? "backward" : "mixed",
-                     backward ? "" : fmt::format("enter at p <= {}, ", shortest(options.alpha)),
-                     shortest(std::max(options.p_leave, options.alpha)), shortest(options.alpha));
+                     direction == doe::StepDirection::backward  ? "backward"
+                     : direction == doe::StepDirection::forward ? "forward"
+                                                                : "mixed",
+                     stop, shortest(options.alpha));
 }
 
-std::string variance_text(const doe::VarianceDecomposition& v) {
+std::string variance_text(const ResponseScreening& response) {
+  const doe::VarianceDecomposition& v = response.variance;
   std::string text =
       fmt::format("  parameters' share of the variance {:.1f} % (noise alone: {:.1f} %)",
                   100.0 * v.parameter_share, 100.0 * v.noise_floor);
   if (!std::isnan(v.f))
     text += fmt::format(";\n  unbiased {:.1f} %; F = {:.3g}, p = {}", 100.0 * v.unbiased_share, v.f,
                         p_text(v.p_value));
+  if (!std::isnan(response.signal.alpha))
+    text += fmt::format(";\n  alpha = {} (noise alone: {})", number_text(response.signal.alpha),
+                        number_text(response.signal.floor));
   return text + "\n";
 }
 
@@ -128,16 +127,73 @@ std::string models_text(const ScreeningReport& report, const ResponseScreening& 
       const auto& fit = response.models[r].fit;
       return fmt::format("{} {:>9}", number_text(fit.sigma), fmt::format("({})", fit.residual_df));
     });
-    line("R2", [&](std::size_t r) {
-      return fmt::format("{:.3f}         ", response.models[r].fit.r_squared);
-    });
+    const auto number = [](double value) {
+      return std::isnan(value) ? "-         " : fmt::format("{:.3f}         ", value);
+    };
+    line("R2", [&](std::size_t r) { return number(response.models[r].fit.r_squared); });
+    line("predicted",
+         [&](std::size_t r) { return number(response.models[r].diagnostics.predicted_r_squared); });
+    if (std::any_of(response.models.begin() + static_cast<std::ptrdiff_t>(from),
+                    response.models.begin() + static_cast<std::ptrdiff_t>(to),
+                    [](const doe::FinalModel& m) { return !std::isnan(m.lack_of_fit.p); }))
+      line("lack, p", [&](std::size_t r) { return number(response.models[r].lack_of_fit.p); });
     if (to < response.models.size()) text += "\n";
   }
   return text;
 }
 
-nlohmann::json model_json(const ScreeningReport& report, const doe::FinalModel& model,
-                          const std::string& repetition) {
+const char* type_name(doe::SumsOfSquares type) {
+  return type == doe::SumsOfSquares::type_one   ? "I"
+         : type == doe::SumsOfSquares::type_two ? "II"
+                                                : "III";
+}
+
+std::string anova_text(const ScreeningReport& report, std::size_t response) {
+  std::string text;
+  for (std::size_t r = 0; r < report.repetitions.size(); ++r) {
+    const auto rows = final_anova(report, response, r, *report.anova);
+    std::vector<std::string> names{"residual"};
+    for (const auto& row : rows) names.push_back(row.term);
+    const std::size_t width = width_of(names);
+    text += fmt::format(
+        "\n  analysis of variance, type {}, of repetition {}\n  {:<{}}  {:>10}  {:>4}  "
+        "{:>10}  {:>10}  {:>8}\n",
+        type_name(*report.anova), report.repetitions[r], "term", width, "sum of sq.", "df",
+        "mean sq.", "F", "p");
+    for (const auto& row : rows)
+      text += fmt::format("  {:<{}}  {:>10.4g}  {:>4}  {:>10.4g}  {:>10}  {:>8}\n",
+                          clipped(row.term), width, row.sum_of_squares, row.df,
+                          row.sum_of_squares / row.df, number_text(row.f), p_text(row.p));
+    const auto& fit = report.screening.responses[response].models[r].fit;
+    text += fmt::format("  {:<{}}  {:>10.4g}  {:>4}  {:>10}\n", "residual", width, fit.residual_ss,
+                        fit.residual_df, number_text(fit.sigma * fit.sigma));
+  }
+  return text;
+}
+
+nlohmann::json anova_json(const std::vector<doe::AnovaRow>& rows) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const auto& row : rows)
+    json.push_back({{"term", row.term},
+                    {"sum_of_squares", row.sum_of_squares},
+                    {"df", row.df},
+                    {"f", row.f},
+                    {"p", row.p}});
+  return json;
+}
+
+nlohmann::json lack_of_fit_json(const doe::LackOfFit& lack) {
+  return {{"lack_ss", lack.lack_ss},
+          {"lack_df", lack.lack_df},
+          {"pure_ss", lack.pure_ss},
+          {"pure_df", lack.pure_df},
+          {"f", lack.f},
+          {"p", lack.p}};
+}
+
+nlohmann::json model_json(const ScreeningReport& report, std::size_t response,
+                          std::size_t repetition) {
+  const doe::FinalModel& model = report.screening.responses[response].models[repetition];
   nlohmann::json terms = nlohmann::json::array();
   for (std::size_t j = 0; j <= model.terms.size(); ++j) {
     const auto i = static_cast<Eigen::Index>(j);
@@ -146,16 +202,41 @@ nlohmann::json model_json(const ScreeningReport& report, const doe::FinalModel& 
          {"coefficient", model.fit.coefficients(i)},
          {"standard_error", model.fit.standard_errors(i)},
          {"t", model.fit.t(i)},
-         {"p", model.fit.p(i)}});
+         {"p", model.fit.p(i)},
+         {"variance_inflation", model.diagnostics.variance_inflation(i)}});
   }
-  return {{"repetition", repetition},
+  nlohmann::json runs = nlohmann::json::array();
+  for (std::size_t i = 0; i < model.runs.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    runs.push_back({{"run", model.runs[i] + 1},
+                    {"residual", model.diagnostics.residual(row)},
+                    {"leverage", model.diagnostics.leverage(row)},
+                    {"studentised_deleted", model.diagnostics.studentised_deleted(row)},
+                    {"cooks_distance", model.diagnostics.cooks_distance(row)},
+                    {"left_out_prediction", model.diagnostics.left_out(row)}});
+  }
+  const auto anova = [&](doe::SumsOfSquares type) {
+    return anova_json(final_anova(report, response, repetition, type));
+  };
+  return {{"repetition", report.repetitions[repetition]},
           {"terms", terms},
           {"sigma", model.fit.sigma},
           {"residual_df", model.fit.residual_df},
-          {"r_squared", model.fit.r_squared}};
+          {"r_squared", model.fit.r_squared},
+          {"predicted_r_squared", model.diagnostics.predicted_r_squared},
+          {"press", model.diagnostics.press},
+          {"aicc", model.criteria.aicc},
+          {"bic", model.criteria.bic},
+          {"lack_of_fit", lack_of_fit_json(model.lack_of_fit)},
+          {"anova",
+           {{"type_one", anova(doe::SumsOfSquares::type_one)},
+            {"type_two", anova(doe::SumsOfSquares::type_two)},
+            {"type_three", anova(doe::SumsOfSquares::type_three)}}},
+          {"runs", runs}};
 }
 
-nlohmann::json response_json(const ScreeningReport& report, const ResponseScreening& response) {
+nlohmann::json response_json(const ScreeningReport& report, std::size_t index) {
+  const ResponseScreening& response = report.screening.responses[index];
   nlohmann::json factors = nlohmann::json::array(), models = nlohmann::json::array();
   for (std::size_t i = 0; i < report.screening.factors.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
@@ -176,10 +257,12 @@ nlohmann::json response_json(const ScreeningReport& report, const ResponseScreen
                        {"selected", report.is_selected(response, i)}});
   }
   for (std::size_t r = 0; r < response.models.size(); ++r)
-    models.push_back(model_json(report, response.models[r], report.repetitions[r]));
+    models.push_back(model_json(report, index, r));
   return {{"response", response.response},
           {"factors", factors},
           {"models", models},
+          {"alpha", response.signal.alpha},
+          {"alpha_of_noise", response.signal.floor},
           {"variance", variance_json(response.variance)}};
 }
 
@@ -192,9 +275,34 @@ std::vector<std::string> selected_names(const doe::Screening& screening) {
 
 }  // namespace
 
+std::string p_text(double p) {
+  if (std::isnan(p)) return "-";
+  return p < 1e-3 ? fmt::format("{:.0e}", p) : fmt::format("{:.3f}", p);
+}
+
+std::string number_text(double value) {
+  return std::isnan(value) ? "-" : fmt::format("{:.4g}", value);
+}
+
+std::string clipped(const std::string& name) {
+  return name.size() <= kWidestName ? name : name.substr(0, kWidestName - 3) + "...";
+}
+
 bool ScreeningReport::is_selected(const ResponseScreening& response, std::size_t factor) const {
   return doe::vote({response.count}, static_cast<int>(repetitions.size()),
                    options.vote_share)[factor];
+}
+
+std::vector<doe::AnovaRow> final_anova(const ScreeningReport& report, std::size_t response,
+                                       std::size_t repetition, doe::SumsOfSquares type) {
+  const doe::FinalModel& model = report.screening.responses[response].models[repetition];
+  std::vector<int> blocks;
+  if (!report.blocks.empty())
+    for (const auto run : model.runs)
+      blocks.push_back(report.blocks[static_cast<std::size_t>(run)]);
+  const Vector y = report.values[response].col(static_cast<Eigen::Index>(repetition))(model.runs);
+  return doe::analysis_of_variance(report.coded(model.runs, Eigen::all), y,
+                                   report.screening.factors, model.terms, type, blocks);
 }
 
 std::string screening_text(const ScreeningReport& report) {
@@ -202,9 +310,11 @@ std::string screening_text(const ScreeningReport& report) {
       fmt::format("{}: {} runs of {} factors, {} repetition{}\n{}\n", report.table,
                   report.coded.rows(), report.coded.cols(), report.repetitions.size(),
                   report.repetitions.size() == 1 ? "" : "s", method_text(report.options));
-  for (const auto& response : report.screening.responses) {
-    text += fmt::format("\n{}\n", response.response) + variance_text(response.variance) + "\n";
+  for (std::size_t i = 0; i < report.screening.responses.size(); ++i) {
+    const auto& response = report.screening.responses[i];
+    text += fmt::format("\n{}\n", response.response) + variance_text(response) + "\n";
     text += factors_text(report, response) + models_text(report, response);
+    if (report.anova) text += anova_text(report, i);
   }
   const auto names = selected_names(report.screening);
   text += fmt::format("\nSelected, in {:.0f} % of the repetitions for one response at least:\n",
@@ -218,6 +328,7 @@ std::string screening_text(const ScreeningReport& report) {
     line += " " + name;
   }
   text += names.empty() ? "  none\n" : line + "\n";
+  if (report.coverage) text += coverage_text(report);
   return text +
          "\neffect: mean coefficient of the main effect, half of the change from low to high; "
          "error: of it,\nfrom the repetitions; votes: + where a term with the factor is "
@@ -255,8 +366,9 @@ nlohmann::json screening_json(const ScreeningReport& report) {
                       {"responses", nlohmann::json::array()},
                       {"selected", selected_names(report.screening)}};
   if (stepwise) json["leave"] = std::max(report.options.p_leave, report.options.alpha);
-  for (const auto& response : report.screening.responses)
-    json["responses"].push_back(response_json(report, response));
+  for (std::size_t i = 0; i < report.screening.responses.size(); ++i)
+    json["responses"].push_back(response_json(report, i));
+  if (report.coverage) json["coverage"] = coverage_json(report);
   return json;
 }
 

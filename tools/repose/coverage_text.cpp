@@ -1,0 +1,120 @@
+// Coverage of targets as text, as JSON and as a factors file.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "repose/base/text.hpp"
+#include "repose/base/toml.hpp"
+#include "screen_report.hpp"
+
+namespace repose::cli {
+namespace {
+
+using doe::ProposedRange;
+using doe::ResponseCoverage;
+
+std::string target_text(const doe::Target& target) {
+  return target.tolerance > 0.0 ? fmt::format("{:.5g} +- {:.3g}", target.value, target.tolerance)
+                                : fmt::format("{:.5g}", target.value);
+}
+
+std::string directions(const ScreeningReport& report, const ResponseCoverage& coverage) {
+  std::vector<std::string> up, down;
+  for (std::size_t j = 0; j < coverage.direction.size(); ++j)
+    if (coverage.direction[j] != 0)
+      (coverage.direction[j] > 0 ? up : down).push_back(report.screening.factors[j]);
+  if (up.empty() && down.empty()) return "no factor is significant: there is nothing to move";
+  std::string text;
+  if (!up.empty()) text += "raise " + listed(up);
+  if (!down.empty()) text += (text.empty() ? "lower " : "; lower ") + listed(down);
+  return text;
+}
+
+std::string response_text(const ScreeningReport& report, const ResponseCoverage& coverage) {
+  using Position = ResponseCoverage::Position;
+  std::string text =
+      fmt::format("  {}: measured {}, runs {:.5g} to {:.5g}: {}\n", coverage.target.response,
+                  target_text(coverage.target), coverage.lowest, coverage.highest,
+                  coverage.position == Position::inside  ? "enclosed"
+                  : coverage.position == Position::above ? "ABOVE all runs"
+                                                         : "BELOW all runs");
+  if (coverage.position != Position::inside) {
+    text += fmt::format("    {}\n", directions(report, coverage));
+    if (coverage.still_missing > 1e-9 * coverage.gap)
+      text += fmt::format("    the proposed ranges leave {:.3g} of {:.3g} missing\n",
+                          coverage.still_missing, coverage.gap);
+  }
+  if (coverage.stochastic)
+    text += "    this KPI cannot calibrate: chance moves it more than the parameters do\n";
+  return text;
+}
+
+}  // namespace
+
+std::string coverage_text(const ScreeningReport& report) {
+  std::string text = "\nTargets, by the means of the runs:\n";
+  for (const auto& coverage : report.coverage->responses) text += response_text(report, coverage);
+  const auto& ranges = report.coverage->ranges;
+  if (std::none_of(ranges.begin(), ranges.end(), [](const ProposedRange& range) {
+        return range.lower_extended || range.upper_extended;
+      }))
+    return text;
+  text += "\nProposed ranges, first order and a quarter more:\n";
+  for (const auto& range : ranges) {
+    if (!range.lower_extended && !range.upper_extended) continue;
+    text += fmt::format("  {:<24}  {:>10.4g}{} to {:>10.4g}{}  for {}{}\n", clipped(range.factor),
+                        range.lower, range.lower_extended ? "*" : " ", range.upper,
+                        range.upper_extended ? "*" : " ", listed(range.because),
+                        range.at_limit ? " (at its limit)" : "");
+  }
+  return text + "  * extended\n";
+}
+
+nlohmann::json coverage_json(const ScreeningReport& report) {
+  using Position = ResponseCoverage::Position;
+  nlohmann::json targets = nlohmann::json::array(), ranges = nlohmann::json::array();
+  for (const auto& coverage : report.coverage->responses) {
+    nlohmann::json direction = nlohmann::json::object();
+    for (std::size_t j = 0; j < coverage.direction.size(); ++j)
+      if (coverage.direction[j] != 0)
+        direction[report.screening.factors[j]] = coverage.direction[j] > 0 ? "raise" : "lower";
+    targets.push_back({{"response", coverage.target.response},
+                       {"value", coverage.target.value},
+                       {"tolerance", coverage.target.tolerance},
+                       {"lowest_run", coverage.lowest},
+                       {"highest_run", coverage.highest},
+                       {"position", coverage.position == Position::inside  ? "inside"
+                                    : coverage.position == Position::above ? "above"
+                                                                           : "below"},
+                       {"gap", coverage.gap},
+                       {"still_missing", coverage.still_missing},
+                       {"can_calibrate", !coverage.stochastic},
+                       {"move", direction}});
+  }
+  for (const auto& range : report.coverage->ranges)
+    ranges.push_back({{"factor", range.factor},
+                      {"lower", range.lower},
+                      {"upper", range.upper},
+                      {"lower_extended", range.lower_extended},
+                      {"upper_extended", range.upper_extended},
+                      {"at_limit", range.at_limit},
+                      {"because", range.because}});
+  return {{"targets", targets}, {"ranges", ranges}};
+}
+
+std::string factors_toml(const doe::TargetCoverage& coverage,
+                         const std::vector<Parameter>& screened) {
+  std::string text = "[parameters]\n";
+  for (std::size_t j = 0; j < screened.size(); ++j) {
+    const auto& p = screened[j];
+    text += fmt::format("{} = {{ lower = {}, upper = {}", toml_quoted(p.name),
+                        shortest(coverage.ranges[j].lower), shortest(coverage.ranges[j].upper));
+    if (p.scale == Scale::log) text += ", scale = \"log\"";
+    if (!p.unit.empty() && p.unit != "1") text += ", unit = " + toml_quoted(p.unit);
+    text += " }\n";
+  }
+  return text;
+}
+
+}  // namespace repose::cli
