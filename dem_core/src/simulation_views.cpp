@@ -22,6 +22,7 @@ std::vector<Body> Simulation::State::bodies() const {
   const Vec3& gravity = scene.gravity_m_s2;
   const double half = 0.5 * dt;
   std::vector<Body> out;
+  out.reserve(all.size() - clumps.members.size() + clumps.all.size());
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (all.member[i] >= 0) continue;
     const Motion& m = all.motion[i];

@@ -6,14 +6,10 @@
 #include <numeric>
 
 #include "degenerate_triangles.hpp"
+#include "repose/scene/cross.hpp"
 
 namespace repose::scene {
 namespace {
-
-Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(),
-          a.x() * b.y() - a.y() * b.x()};
-}
 
 /// Twice the area along the normal.
 Vec3 area_vector(const TriangleMesh& mesh, std::size_t t) {

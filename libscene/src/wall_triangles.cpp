@@ -2,17 +2,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "repose/scene/cross.hpp"
 #include "repose/scene/vtp.hpp"
 
 namespace repose::scene {
 namespace {
 
 constexpr int kFacets = 64;
-
-Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(),
-          a.x() * b.y() - a.y() * b.x()};
-}
 
 /// Two directions that make a right-handed frame with `axis`.
 std::array<Vec3, 2> across(const Vec3& axis) {

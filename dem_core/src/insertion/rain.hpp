@@ -27,7 +27,6 @@ class RainSource {
   /// Smallest and largest sphere that will come, m.
   double smallest_radius() const;
   double largest_radius() const { return largest_radius_; }
-  std::size_t outstanding() const { return grains_.size() - next_; }
   bool is_finished() const { return next_ == grains_.size(); }
   double placed_kg() const { return placed_kg_; }
   /// Whether a particle is due `time_s` after the rain began.

@@ -153,7 +153,8 @@ class Runner {
     const std::vector<Body> bodies = sim.bodies();
     weight_scale_j_ = weight_scale_j(scene_, bodies);
     last_row_.time_s = sim.time_s();
-    last_row_.kinetic_energy_j = sim.kinetic_energy_j();
+    last_row_.kinetic_energy_j = 0.0;
+    for (const Body& body : bodies) last_row_.kinetic_energy_j += body.kinetic_energy_j();
     last_row_.max_overlap_ratio = sim.take_largest_overlap_ratio();
     last_row_.contacts = static_cast<std::int64_t>(sim.contacts());
     last_row_.region_mass_kg = region_masses(scene_, bodies);

@@ -44,10 +44,9 @@ void append(Clump clump, const std::vector<Member>& members, Clumps& to, Spheres
 
 }  // namespace
 
-std::size_t add_clump(const scene::ClumpForm& form, const scene::Particle& particle,
-                      std::int32_t material, double density, std::int32_t body,
-                      std::int32_t first_sphere_id, const Box& box, Clumps& clumps,
-                      Spheres& spheres) {
+void add_clump(const scene::ClumpForm& form, const scene::Particle& particle, std::int32_t material,
+               double density, std::int32_t body, std::int32_t first_sphere_id, const Box& box,
+               Clumps& clumps, Spheres& spheres) {
   const double radius = particle.radius_m;
   Clump clump;
   clump.x = particle.position;
@@ -79,7 +78,6 @@ std::size_t add_clump(const scene::ClumpForm& form, const scene::Particle& parti
   }
   clumps.all.push_back(clump);
   place(box, clump, clump.q, clumps.members, spheres);
-  return clumps.size() - 1;
 }
 
 void gather_loads(const Spheres& spheres, Clumps& clumps) {

@@ -48,11 +48,10 @@ struct Clumps {
 };
 
 /// Adds a clump with its spheres, at rest relative to its centre's motion; spheres get the ids that
-/// follow those present. Returns its index.
-std::size_t add_clump(const scene::ClumpForm& form, const scene::Particle& particle,
-                      std::int32_t material, double density, std::int32_t body,
-                      std::int32_t first_sphere_id, const Box& box, Clumps& clumps,
-                      Spheres& spheres);
+/// follow those present.
+void add_clump(const scene::ClumpForm& form, const scene::Particle& particle, std::int32_t material,
+               double density, std::int32_t body, std::int32_t first_sphere_id, const Box& box,
+               Clumps& clumps, Spheres& spheres);
 
 /// Sums the loads of the spheres on their clumps.
 void gather_loads(const Spheres& spheres, Clumps& clumps);

@@ -16,9 +16,8 @@ double t_two_sided(double t, double df);
 double t_critical(double alpha, double df);
 
 /// Probability that a coefficient is found significant at level alpha in a two-sided t test when it
-/// truly is `effect` of its standard errors: the upper tail of the noncentral F with 1 and df
-/// degrees of freedom and noncentrality effect^2. Error below 1e-9. Throws InputError unless
-/// 0 < alpha < 1, df >= 1 and `effect` is finite.
+/// truly is `effect` of its standard errors, by the noncentral t distribution. Error below 1e-9.
+/// Throws InputError unless 0 < alpha < 1, df >= 1 and `effect` is finite.
 double t_test_power(double effect, double df, double alpha);
 
 /// Where the absolute values of `count` normal numbers of deviation 1 lie when sorted, for a
