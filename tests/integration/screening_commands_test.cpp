@@ -345,7 +345,9 @@ TEST(VarianceCommand, DecomposesTheWorkedExample) {
   const auto said = bench.run("repose", "variance runs.csv --response y --by run");
   EXPECT_EQ(said.code, 0) << said.err;
   expect_readable(said.out);
-  for (const char* text : {"88.16 %", "11.84 %", "25.00 %", "87.67 %", "22.33"})
+  // alpha = sqrt(67/3)/((2 + sqrt 7)/3), its floor 1/(sqrt 3 c4(3)); means 2, 4 and 11.
+  for (const char* text : {"88.16 %", "11.84 %", "25.00 %", "87.67 %", "22.33", "3.052", "0.6515",
+                           "83.40 %", "68.09 %"})
     EXPECT_NE(said.out.find(text), std::string::npos) << said.out;
   const auto result =
       json::parse(bench.run("repose", "variance runs.csv --response y,z --by run --json").out);

@@ -10,6 +10,7 @@
 #include "design_columns.hpp"
 #include "repose/base/error.hpp"
 #include "repose/base/text.hpp"
+#include "repose/doe/effect_size.hpp"
 #include "repose/table/io.hpp"
 #include "screen_report.hpp"
 
@@ -57,11 +58,37 @@ std::string verdict(const doe::VarianceDecomposition& v) {
                                 : "the parameters' share exceeds stochasticity";
 }
 
-void print_variance(const std::string& response, const doe::VarianceDecomposition& v) {
+/// One response: what its runs and repetitions say.
+struct ResponseVariance {
+  std::string response;
+  doe::VarianceDecomposition decomposition;
+  doe::SignalToRepetition signal;            ///< NaN if fewer than two runs are repeated
+  doe::CoefficientOfVariation of_run_means;  ///< their spread
+};
+
+ResponseVariance analyse(const std::string& response, const Matrix& values) {
+  ResponseVariance result{.response = response,
+                          .decomposition = doe::decompose_variance(values),
+                          .signal = {std::nan(""), std::nan("")}};
+  const auto present = values.array().isNaN() == false;
+  std::vector<double> means;
+  for (Eigen::Index run = 0; run < values.rows(); ++run)
+    if (const auto count = present.row(run).count(); count > 0)
+      means.push_back(present.row(run).select(values.row(run).array(), 0.0).sum() /
+                      static_cast<double>(count));
+  result.of_run_means = doe::coefficient_of_variation(
+      Eigen::Map<const Vector>(means.data(), static_cast<Eigen::Index>(means.size())));
+  if ((present.rowwise().count() >= 2).count() >= 2)
+    result.signal = doe::signal_to_repetition(values);
+  return result;
+}
+
+void print_variance(const ResponseVariance& result) {
+  const doe::VarianceDecomposition& v = result.decomposition;
   const auto item = [](const char* name, const std::string& value) {
-    fmt::print("  {:<46}{:>14}\n", name, value);
+    fmt::print("  {:<52}{:>14}\n", name, value);
   };
-  fmt::print("\n{}: {} runs, {} values\n", response, v.runs, v.observations);
+  fmt::print("\n{}: {} runs, {} values\n", result.response, v.runs, v.observations);
   item("share of the parameters, P = SSB/SST", percent(v.parameter_share));
   item("share of stochasticity, S = SSW/SST", percent(v.stochastic_share));
   item("P if nothing but noise were there", percent(v.noise_floor));
@@ -75,6 +102,11 @@ void print_variance(const std::string& response, const doe::VarianceDecompositio
       fmt::format("F on {} and {} degrees of freedom", v.runs - 1, v.observations - v.runs).c_str(),
       fmt::format("{:.4g}", v.f));
   item("p", fmt::format("{:.3g}", v.p_value));
+  item("alpha, deviation of means over that of repetitions",
+       fmt::format("{:.4g}", result.signal.alpha));
+  item("alpha if nothing but noise were there", fmt::format("{:.4g}", result.signal.floor));
+  item("coefficient of variation of means, n - 1", percent(result.of_run_means.sample));
+  item("coefficient of variation of means, n", percent(result.of_run_means.population));
   fmt::print("  {}\n", verdict(v));
 }
 
@@ -82,25 +114,30 @@ void variance(const VarianceOptions& options) {
   const auto table = table::read_table(table::parse_location(options.table), table::Missing::allow);
   const auto labels = row_labels(table, options.by);
   const auto responses = response_columns(table, options.responses);
-  std::vector<doe::VarianceDecomposition> results;
+  std::vector<ResponseVariance> results;
   for (const auto& name : responses) {
     try {
-      results.push_back(doe::decompose_variance(grouped(labels, table.numbers(name))));
+      results.push_back(analyse(name, grouped(labels, table.numbers(name))));
     } catch (const InputError& error) {
       throw InputError(fmt::format("column {}: {}", name, error.what()));
     }
   }
   if (options.common.json) {
     nlohmann::json json{{"table", options.table}, {"by", options.by}};
-    for (std::size_t r = 0; r < responses.size(); ++r) {
-      json["responses"].push_back(variance_json(results[r]));
-      json["responses"].back()["response"] = responses[r];
+    for (const auto& result : results) {
+      auto one = variance_json(result.decomposition);
+      one["response"] = result.response;
+      one["alpha"] = result.signal.alpha;
+      one["alpha_of_noise"] = result.signal.floor;
+      one["coefficient_of_variation_sample"] = result.of_run_means.sample;
+      one["coefficient_of_variation_population"] = result.of_run_means.population;
+      json["responses"].push_back(std::move(one));
     }
     fmt::print("{}\n", json.dump(2));
     return;
   }
   fmt::print("{}, runs by {}\n", options.table, options.by);
-  for (std::size_t r = 0; r < responses.size(); ++r) print_variance(responses[r], results[r]);
+  for (const auto& result : results) print_variance(result);
 }
 
 }  // namespace
