@@ -6,7 +6,6 @@
 #include <limits>
 #include <numbers>
 
-#include "correlation.hpp"
 #include "repose/base/error.hpp"
 
 namespace repose::surrogate {
@@ -14,8 +13,10 @@ namespace {
 
 constexpr Eigen::Index kBlock = 64;
 
-Eigen::Index degrees_of_freedom(const Dataset& data, const Factor& factor, Estimator estimator) {
-  return data.observations() - (estimator == Estimator::reml ? factor.beta.size() : 0);
+double degrees_of_freedom(const Dataset& data, const Factor& factor, double noise_ratio,
+                          Estimator estimator) {
+  return effective_observations(data, noise_ratio) -
+         (estimator == Estimator::reml ? static_cast<double>(factor.beta.size()) : 0.0);
 }
 
 /// y^T Q y, with the squares within repeats: N degrees of freedom less those of the trend.
@@ -49,19 +50,19 @@ std::optional<Cholesky> factorise(const Matrix& lower) {
   return std::nullopt;
 }
 
-Factor complete(const Dataset& data, Basis basis, Cholesky cholesky) {
+Factor complete(const Dataset& data, Cholesky cholesky) {
   Factor f;
   f.l = std::move(cholesky.l);
   f.jitter = cholesky.jitter;
   const auto l = f.l.triangularView<Eigen::Lower>();
   const Vector wy = l.solve(data.y);
-  const Eigen::Index q = basis_size(basis);
+  const Eigen::Index q = data.h.cols();
   f.u.resize(q, q);
   f.beta.resize(q);
   f.q1.resize(data.points(), q);
   f.residual = wy;
   if (q > 0) {
-    const Matrix wh = l.solve(basis_matrix(basis, data.x));
+    const Matrix wh = l.solve(data.h);
     const Eigen::HouseholderQR<Matrix> qr(wh);
     f.q1 = qr.householderQ() * Matrix::Identity(data.points(), q);
     f.u = qr.matrixQR().topRows(q).triangularView<Eigen::Upper>();
@@ -73,17 +74,17 @@ Factor complete(const Dataset& data, Basis basis, Cholesky cholesky) {
   return f;
 }
 
-Factor make_factor(const Dataset& data, const Covariance& covariance, Basis basis) {
+Factor make_factor(const Dataset& data, const Covariance& covariance) {
   Matrix lower = Matrix::Zero(data.points(), data.points());
-  fill_correlation(covariance.kernel, data.x, covariance.length_scales, lower, nullptr);
-  lower.diagonal().array() += covariance.noise_ratio / data.count.array();
+  fill_correlation(covariance.correlator(data.encoding), data.x, lower);
+  lower.diagonal().array() += covariance.noise_ratio * data.noise.array();
   std::optional<Cholesky> cholesky = factorise(lower);
   if (!cholesky)
     throw NumericalError(
         "the covariance matrix of the training points cannot be factored even with a jitter of "
         "1e-6: "
         "remove points that almost coincide, shorten the length scales or estimate noise");
-  return complete(data, basis, std::move(*cholesky));
+  return complete(data, std::move(*cholesky));
 }
 
 Matrix lower_inverse(const Matrix& l) {
@@ -111,20 +112,24 @@ Matrix inverse_from(const Matrix& l_inverse) {
   return c;
 }
 
+double effective_observations(const Dataset& data, double noise_ratio) {
+  return static_cast<double>(noise_ratio > 0.0 ? data.observations() : data.points());
+}
+
 double best_amplitude(const Dataset& data, const Factor& factor, double noise_ratio,
                       Estimator estimator) {
   return sum_of_squares(data, factor, noise_ratio) /
-         static_cast<double>(degrees_of_freedom(data, factor, estimator));
+         degrees_of_freedom(data, factor, noise_ratio, estimator);
 }
 
 double negative_log_likelihood(const Dataset& data, const Factor& factor, double noise_ratio,
                                double amplitude, Estimator estimator) {
-  const auto freedom = static_cast<double>(degrees_of_freedom(data, factor, estimator));
-  const auto repeats = static_cast<double>(data.observations() - data.points());
+  const double freedom = degrees_of_freedom(data, factor, noise_ratio, estimator);
   double twice = freedom * std::log(2.0 * std::numbers::pi * amplitude) +
                  sum_of_squares(data, factor, noise_ratio) / amplitude + factor.log_det();
   if (noise_ratio > 0.0)  // without noise, repeats say nothing new
-    twice += repeats * std::log(noise_ratio) + data.count.array().log().sum();
+    twice += static_cast<double>(data.observations() - data.points()) * std::log(noise_ratio) +
+             data.log_repeats;
   if (estimator == Estimator::reml) twice += factor.log_det_trend();
   return 0.5 * twice;
 }

@@ -3,19 +3,24 @@
 
 #include <optional>
 
+#include "correlation.hpp"
 #include "dataset.hpp"
 
 namespace repose::surrogate {
 
-/// Covariance in the units of the dataset: amplitude * (R(length_scales) + noise_ratio
-/// diag(1/count)).
+/// Covariance in the units of the dataset: amplitude * (R + noise_ratio diag(v)), v the noise
+/// weights of the dataset.
 struct Covariance {
-  Kernel kernel = Kernel::matern52;
-  Vector length_scales;
+  Correlation correlation = Correlation::matern52;
+  Vector length_scales;  ///< in units of the encoded coordinates
   double noise_ratio = 0.0;
+  double alpha = 1.0;
+  Correlator correlator(const Encoding& encoding) const {
+    return {correlation, alpha, encoding.weights(length_scales)};
+  }
 };
 
-/// C = L L^T = R + noise_ratio diag(1/count) + jitter I and, with W = L^-1, W H = Q1 U (thin QR):
+/// C = L L^T = R + noise_ratio diag(v) + jitter I and, with W = L^-1, W H = Q1 U (thin QR):
 /// beta = U^-1 Q1^T W y, residual e = W y - W H beta. [Rasmussen2006, algorithm 2.1 and
 /// section 2.7]
 struct Factor {
@@ -40,15 +45,18 @@ struct Cholesky {
 std::optional<Cholesky> factorise(const Matrix& lower);
 
 /// What follows from the Cholesky factor.
-Factor complete(const Dataset& data, Basis basis, Cholesky cholesky);
+Factor complete(const Dataset& data, Cholesky cholesky);
 
 /// Throws NumericalError where no jitter helps.
-Factor make_factor(const Dataset& data, const Covariance& covariance, Basis basis);
+Factor make_factor(const Dataset& data, const Covariance& covariance);
 
 /// L^-1, lower triangle, zeros above.
 Matrix lower_inverse(const Matrix& l);
 /// Lower triangle of C^-1 from L^-1; the rest is left undefined.
 Matrix inverse_from(const Matrix& l_inverse);
+
+/// Observations that count: those of a point are one without noise.
+double effective_observations(const Dataset& data, double noise_ratio);
 
 /// Of the data given amplitude sigma^2, 2 pi included; in units of the dataset.
 double negative_log_likelihood(const Dataset& data, const Factor& factor, double noise_ratio,

@@ -2,13 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/QR>
 #include <chrono>
 #include <cmath>
 
-#include "correlation.hpp"
-#include "likelihood.hpp"
 #include "repose/base/error.hpp"
-#include "repose/base/random.hpp"
+#include "search.hpp"
 #include "state.hpp"
 
 namespace repose::surrogate {
@@ -16,163 +15,112 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Bounds of the search, in units of the declared range and of the process variance.
-constexpr double kShortest = 0.02;
-constexpr double kLongest = 1e5;
-constexpr double kLeastNoise = 1e-14;
-constexpr double kMostNoise = 1e4;
-// Starts: the best of a grid, length scales as fractions of sqrt(d) ranges; then jittered copies of
-// it.
-constexpr double kGridScales[] = {0.02, 0.0632, 0.2, 0.632, 2.0};
-constexpr double kGridNoise[] = {1e-4, 1e-2, 0.3};
-constexpr double kScaleJitter = 0.35;
-constexpr double kNoiseJitter = 1.5;
-/// A parameter this close to a bound, in logarithm, sits on it.
-constexpr double kAtBound = 1e-3;
-constexpr double kInertBelow = 0.1;  // [Gu2019]
-constexpr Eigen::Index kPredictionBlock = 128;
-
-opt::Bounds search_bounds(Eigen::Index dimension, Noise noise) {
-  const Eigen::Index size = dimension + (noise == Noise::estimated ? 1 : 0);
-  opt::Bounds bounds{Vector::Constant(size, std::log(kShortest)),
-                     Vector::Constant(size, std::log(kLongest))};
-  if (noise == Noise::estimated) {
-    bounds.lower[dimension] = std::log(kLeastNoise);
-    bounds.upper[dimension] = std::log(kMostNoise);
-  }
-  return bounds;
-}
-
-Vector best_of_grid(const NegativeLogPosterior& objective, Eigen::Index dimension, Noise noise,
-                    const opt::Bounds& bounds, int& evaluations) {
-  Vector best;
-  double best_value = std::numeric_limits<double>::infinity();
-  for (const double scale : kGridScales)
-    for (const double ratio : kGridNoise) {
-      Vector p = Vector::Constant(objective.size(),
-                                  std::log(scale * std::sqrt(static_cast<double>(dimension))));
-      if (noise == Noise::estimated) p[dimension] = std::log(ratio);
-      p = opt::project(p, bounds);
-      const double value = objective(p, nullptr);
-      ++evaluations;
-      if (value < best_value || best.size() == 0) {
-        best = p;
-        best_value = value;
-      }
-      if (noise == Noise::none) break;
-    }
-  return best;
-}
-
-Matrix jittered_starts(const Vector& best, Eigen::Index dimension, int starts, std::uint64_t seed,
-                       const opt::Bounds& bounds) {
-  Matrix rows(starts, best.size());
-  rows.row(0) = best;
-  for (Eigen::Index s = 1; s < starts; ++s) {
-    RandomStream random(seed, static_cast<std::uint64_t>(s));
-    Vector p = best;
-    for (Eigen::Index k = 0; k < p.size(); ++k)
-      p[k] += (k < dimension ? kScaleJitter : kNoiseJitter) * random.normal();
-    rows.row(s) = opt::project(p, bounds);
-  }
-  return rows;
-}
-
-ParameterState state_of(double p, double lower, double upper) {
-  if (p <= lower + kAtBound) return ParameterState::at_lower_bound;
-  if (p >= upper - kAtBound) return ParameterState::at_upper_bound;
-  return ParameterState::converged;
-}
-
-std::vector<FittedParameter> describe(const Vector& p, const opt::Bounds& bounds,
-                                      const Dataset& data, const Vector& mean_distance) {
-  const Eigen::Index d = data.dimension();
-  const Vector inverse = mean_distance.array() / p.head(d).array().exp();
-  const double mean_inverse = inverse.sum() / static_cast<double>(d);
-  std::vector<FittedParameter> parameters;
-  for (Eigen::Index k = 0; k < p.size(); ++k) {
-    const bool is_scale = k < d;
-    const double range = is_scale ? data.declared.upper[k] - data.declared.lower[k] : 1.0;
-    FittedParameter f{.name = is_scale ? fmt::format("length_scale_{}", k + 1) : "noise_ratio",
-                      .value = range * std::exp(p[k]),
-                      .lower = range * std::exp(bounds.lower[k]),
-                      .upper = range * std::exp(bounds.upper[k]),
-                      .state = state_of(p[k], bounds.lower[k], bounds.upper[k])};
-    if (is_scale) {
-      f.relevance = mean_inverse > 0.0 ? inverse[k] / mean_inverse : 0.0;
-      if (f.relevance < kInertBelow) f.state = ParameterState::inert;
-    }
-    parameters.push_back(std::move(f));
-  }
-  return parameters;
-}
-
-void check_points(const Dataset& data, Basis basis, Eigen::Index least) {
+void check_points(const Dataset& data, Eigen::Index least) {
   if (data.points() < least)
     throw InputError(
         fmt::format("{} different points for {} regression coefficients; at least {} are needed",
-                    data.points(), basis_size(basis), least));
+                    data.points(), data.h.cols(), least));
+}
+
+/// Whether the regression functions alone reproduce the response, to rounding.
+bool trend_explains(const Dataset& data) {
+  constexpr double kRounding = 1e-12;
+  if (data.within > 0.0) return false;
+  Vector residual = data.y;
+  if (data.h.cols() > 0)
+    residual -= data.h * Eigen::HouseholderQR<Matrix>(data.h).solve(data.y).eval();
+  return residual.cwiseAbs().maxCoeff() <= kRounding * std::max(1.0, data.y.cwiseAbs().maxCoeff());
+}
+
+void check(const Hyperparameters& p, Eigen::Index scales, Noise noise) {
+  if (p.length_scales.size() != scales || !(p.length_scales.array() > 0.0).all() ||
+      !p.length_scales.allFinite())
+    throw InputError(
+        fmt::format("{} length scales where the kernel has {}; each must be positive and finite",
+                    p.length_scales.size(), scales));
+  if (!(p.process_variance > 0.0) || !std::isfinite(p.process_variance) ||
+      !(p.noise_variance >= 0.0) || !std::isfinite(p.noise_variance))
+    throw InputError(
+        fmt::format("process variance {} and noise variance {}; the first must be positive, the "
+                    "second not negative",
+                    p.process_variance, p.noise_variance));
+  if (!(p.alpha > 0.0) || !std::isfinite(p.alpha))
+    throw InputError(fmt::format("alpha is {}; it must be positive and finite", p.alpha));
+  if (noise == Noise::none && p.noise_variance > 0.0)
+    throw InputError(
+        fmt::format("a noise variance of {} for a model without noise", p.noise_variance));
 }
 
 }  // namespace
 
-const char* to_string(Kernel kernel) {
-  return kernel == Kernel::matern52 ? "ard-matern52" : "ard-squared-exponential";
-}
-
-Kernel kernel_named(std::string_view name) {
-  for (const Kernel kernel : {Kernel::squared_exponential, Kernel::matern52})
-    if (name == to_string(kernel)) return kernel;
-  throw InputError(fmt::format("kernel '{}' is not known; choose {} or {}", name,
-                               to_string(Kernel::squared_exponential),
-                               to_string(Kernel::matern52)));
-}
-
-const char* to_string(ParameterState state) {
-  constexpr const char* kNames[] = {"converged", "at_lower_bound", "at_upper_bound", "inert"};
-  return kNames[static_cast<int>(state)];
-}
-
 GaussianProcess::GaussianProcess(std::shared_ptr<const State> state) : state_(std::move(state)) {}
 
-GaussianProcess GaussianProcess::fit(const Matrix& x, const Vector& y, const opt::Bounds& declared,
+GaussianProcess GaussianProcess::fit(const Matrix& x, const Vector& y,
+                                     const std::vector<Input>& inputs,
                                      const GaussianProcessOptions& options) {
   if (options.starts < 1)
     throw InputError(fmt::format("a fit from {} starts; there must be at least 1", options.starts));
   const Clock::time_point begin = Clock::now();
-  State s{.data = make_dataset(x, y, declared, options.basis, options.noise),
+  State s{.data = make_dataset(x, y, inputs, options),
           .noise = options.noise,
-          .basis = options.basis,
           .estimator = options.estimator};
-  check_points(s.data, options.basis, basis_size(options.basis) + 1);
+  check_points(s.data, s.data.h.cols() + 1);
+  check_independent(s.data.h, trend_names(s.data.trend, s.data.encoding));
 
-  const NegativeLogPosterior objective(s.data, options);
-  const Eigen::Index d = s.data.dimension();
-  const opt::Bounds bounds = search_bounds(d, options.noise);
-  Vector p;
-  if (s.data.within == 0.0 && s.data.y.isZero(1e-12)) {  // nothing but a constant
-    p = opt::project(Vector::Zero(objective.size()), bounds);
-    if (options.noise == Noise::estimated) p[d] = bounds.lower[d];
-    s.report.message = "the response is constant; nothing to fit";
+  const NegativeLogPosterior objective(s.data, options, amplitude_of(options));
+  const SearchSpace space = make_search_space(objective, s.data, options);
+  const bool nothing_left = !objective.searches_amplitude() && trend_explains(s.data);
+  Vector p = default_parameters(objective, space);
+  if (nothing_left) {
+    s.report.message = options.basis == Basis::constant && options.functions.names.empty()
+                           ? "the response is constant; nothing to fit"
+                           : "the trend explains the response; nothing to fit";
   } else {
-    int grid_evaluations = 0;
-    const Vector best = best_of_grid(objective, d, options.noise, bounds, grid_evaluations);
-    const opt::Minimum minimum = opt::multi_start(
-        [&objective](const Vector& at, Vector* gradient) { return objective(at, gradient); },
-        jittered_starts(best, d, options.starts, options.seed, bounds), bounds, options.minimizer,
-        options.threads);
+    const opt::Minimum minimum = search(objective, space, s.data, options);
     p = minimum.x;
     s.report.termination = minimum.termination;
     s.report.message = minimum.message;
-    s.report.evaluations = minimum.evaluations + grid_evaluations;
+    s.report.evaluations = minimum.evaluations;
   }
   s.covariance = objective.covariance(p);
-  s.factor = make_factor(s.data, s.covariance, s.basis);
-  s.amplitude = best_amplitude(s.data, s.factor, s.covariance.noise_ratio, s.estimator);
-  if (s.report.evaluations == 0) s.amplitude = 0.0;
-  s.report.parameters = describe(p, bounds, s.data, objective.mean_distance());
+  s.factor = make_factor(s.data, s.covariance);
+  s.amplitude = nothing_left ? 0.0 : objective.amplitude(p, s.covariance, s.factor);
+  s.report.parameters = describe(p, space, objective, s.data);
   s.report.jitter = s.factor.jitter;
   s.report.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  return ModelAccess::make(std::move(s));
+}
+
+GaussianProcess GaussianProcess::fit(const Matrix& x, const Vector& y, const opt::Bounds& declared,
+                                     const GaussianProcessOptions& options) {
+  return fit(x, y, linear_inputs(declared), options);
+}
+
+GaussianProcess GaussianProcess::with_parameters(const Matrix& x, const Vector& y,
+                                                 const std::vector<Input>& inputs,
+                                                 const Hyperparameters& parameters,
+                                                 const GaussianProcessOptions& options) {
+  GaussianProcessOptions given = options;
+  const bool variances_given = options.noise == Noise::known || options.noise == Noise::by_point;
+  if (!variances_given)
+    given.noise = parameters.noise_variance > 0.0 ? Noise::estimated : Noise::none;
+  State s{.data = make_dataset(x, y, inputs, given),
+          .noise = given.noise,
+          .estimator = options.estimator};
+  const Encoding& encoding = s.data.encoding;
+  check(parameters, encoding.scales(), given.noise);
+  check_points(s.data, std::max<Eigen::Index>(1, s.data.h.cols()));
+  check_independent(s.data.h, trend_names(s.data.trend, encoding));
+  s.amplitude = parameters.process_variance / (s.data.scale * s.data.scale);
+  s.covariance = {.correlation = options.kernel.correlation,
+                  .length_scales = parameters.length_scales.cwiseQuotient(encoding.scale_units()),
+                  .noise_ratio = variances_given
+                                     ? 1.0 / s.amplitude
+                                     : parameters.noise_variance / parameters.process_variance,
+                  .alpha = parameters.alpha};
+  s.factor = make_factor(s.data, s.covariance);
+  s.report.message = "hyper-parameters were given";
+  s.report.jitter = s.factor.jitter;
   return ModelAccess::make(std::move(s));
 }
 
@@ -180,61 +128,7 @@ GaussianProcess GaussianProcess::with_parameters(const Matrix& x, const Vector& 
                                                  const opt::Bounds& declared,
                                                  const Hyperparameters& parameters,
                                                  const GaussianProcessOptions& options) {
-  const Vector& scales = parameters.length_scales;
-  if (scales.size() != x.cols() || !(scales.array() > 0.0).all() || !scales.allFinite())
-    throw InputError(fmt::format("{} length scales for {} inputs; each must be positive and finite",
-                                 scales.size(), x.cols()));
-  if (!(parameters.process_variance > 0.0) || !std::isfinite(parameters.process_variance) ||
-      !(parameters.noise_variance >= 0.0) || !std::isfinite(parameters.noise_variance))
-    throw InputError(
-        fmt::format("process variance {} and noise variance {}; the first must be positive, the "
-                    "second not negative",
-                    parameters.process_variance, parameters.noise_variance));
-  const Noise noise = parameters.noise_variance > 0.0 ? Noise::estimated : Noise::none;
-  State s{.data = make_dataset(x, y, declared, options.basis, noise),
-          .noise = noise,
-          .basis = options.basis,
-          .estimator = options.estimator};
-  check_points(s.data, options.basis, std::max<Eigen::Index>(1, basis_size(options.basis)));
-  s.covariance = {options.kernel, scales.array() / (declared.upper - declared.lower).array(),
-                  parameters.noise_variance / parameters.process_variance};
-  s.amplitude = parameters.process_variance / (s.data.scale * s.data.scale);
-  s.factor = make_factor(s.data, s.covariance, s.basis);
-  s.report.message = "hyper-parameters were given";
-  s.report.jitter = s.factor.jitter;
-  return ModelAccess::make(std::move(s));
-}
-
-std::vector<Gaussian> GaussianProcess::predict_rows(const Matrix& x) const {
-  const State& s = *state_;
-  if (x.cols() != dimension())
-    throw InputError(fmt::format("a prediction at points of {} inputs; the model has {}", x.cols(),
-                                 dimension()));
-  const auto l = s.factor.l.triangularView<Eigen::Lower>();
-  const auto ut = s.factor.u.transpose().triangularView<Eigen::Lower>();
-  std::vector<Gaussian> result;
-  result.reserve(static_cast<std::size_t>(x.rows()));
-  for (Eigen::Index begin = 0; begin < x.rows(); begin += kPredictionBlock) {
-    const Matrix q =
-        s.data.to_unit(x.middleRows(begin, std::min(kPredictionBlock, x.rows() - begin)));
-    Matrix v = cross_correlation(s.covariance.kernel, s.data.x, q, s.covariance.length_scales);
-    const Matrix h = basis_matrix(s.basis, q);
-    const Vector mean = h * s.factor.beta + v.transpose() * s.factor.alpha;
-    l.solveInPlace(v);
-    Vector variance = Vector::Ones(q.rows()) - v.colwise().squaredNorm().transpose();
-    if (h.cols() > 0) {  // the coefficients' own uncertainty
-      const Matrix trend = ut.solve(h.transpose()) - s.factor.q1.transpose() * v;
-      variance += trend.colwise().squaredNorm().transpose();
-    }
-    for (Eigen::Index i = 0; i < q.rows(); ++i)
-      result.push_back({s.data.shift + s.data.scale * mean[i],
-                        s.data.scale * s.data.scale * s.amplitude * std::max(0.0, variance[i])});
-  }
-  return result;
-}
-
-Gaussian GaussianProcess::predict(const Vector& x) const {
-  return predict_rows(x.transpose())[0];
+  return with_parameters(x, y, linear_inputs(declared), parameters, options);
 }
 
 GaussianProcess GaussianProcess::condition_on(const Vector& x, double y) const {
@@ -244,28 +138,30 @@ GaussianProcess GaussianProcess::condition_on(const Vector& x, double y) const {
         fmt::format("conditioning on response {} at a point of {} coordinates; both must be "
                     "finite, with {} coordinates",
                     y, x.size(), dimension()));
-  const Vector unit = old.data.to_unit(x.transpose()).row(0);
   State s = old;
-  s.data = with_observation(old.data, unit, (y - old.data.shift) / old.data.scale, old.noise);
+  s.data = with_observation(old.data, x, y, old.noise);
   const Eigen::Index n = old.data.points();
   if (s.data.points() == n + 1) {  // one more row of the Cholesky factor
-    Vector k = cross_correlation(old.covariance.kernel, old.data.x, unit.transpose(),
-                                 old.covariance.length_scales);
+    Vector k = cross_correlation(old.covariance.correlator(old.data.encoding), old.data.x,
+                                 s.data.x.bottomRows(1));
     old.factor.l.triangularView<Eigen::Lower>().solveInPlace(k);
-    const double pivot = 1.0 + old.covariance.noise_ratio + old.factor.jitter - k.squaredNorm();
+    const double pivot =
+        1.0 + old.covariance.noise_ratio * s.data.noise[n] + old.factor.jitter - k.squaredNorm();
     if (pivot > 1e-12) {
       Cholesky grown{Matrix::Zero(n + 1, n + 1), old.factor.jitter};
       grown.l.topLeftCorner(n, n) = old.factor.l;
       grown.l.row(n).head(n) = k;
       grown.l(n, n) = std::sqrt(pivot);
-      s.factor = complete(s.data, s.basis, std::move(grown));
+      s.factor = complete(s.data, std::move(grown));
       return ModelAccess::make(std::move(s));
     }
   }
-  s.factor = make_factor(s.data, s.covariance, s.basis);
+  s.factor = make_factor(s.data, s.covariance);
   s.report.jitter = s.factor.jitter;
   return ModelAccess::make(std::move(s));
 }
+
+// ---- what it is --------------------------------------------------------------------------------
 
 Eigen::Index GaussianProcess::dimension() const {
   return state_->data.dimension();
@@ -274,13 +170,19 @@ Eigen::Index GaussianProcess::rows() const {
   return state_->data.observations();
 }
 Kernel GaussianProcess::kernel() const {
-  return state_->covariance.kernel;
+  return {state_->covariance.correlation, state_->data.encoding.length_scales()};
 }
 Noise GaussianProcess::noise() const {
   return state_->noise;
 }
 Basis GaussianProcess::basis() const {
-  return state_->basis;
+  return state_->data.trend.basis;
+}
+const std::vector<std::string>& GaussianProcess::function_names() const {
+  return state_->data.trend.functions.names;
+}
+ResponseScale GaussianProcess::response_scale() const {
+  return state_->data.response_scale;
 }
 Estimator GaussianProcess::estimator() const {
   return state_->estimator;
@@ -288,33 +190,49 @@ Estimator GaussianProcess::estimator() const {
 const FitReport& GaussianProcess::report() const {
   return state_->report;
 }
-const opt::Bounds& GaussianProcess::declared_bounds() const {
-  return state_->data.declared;
+const std::vector<Input>& GaussianProcess::inputs() const {
+  return state_->data.encoding.inputs();
+}
+
+opt::Bounds GaussianProcess::declared_bounds() const {
+  opt::Bounds bounds{Vector(dimension()), Vector(dimension())};
+  Eigen::Index k = 0;
+  for (const Input& input : inputs()) {
+    bounds.lower[k] = input.is_categorical() ? 0.0 : input.lower;
+    bounds.upper[k] =
+        input.is_categorical() ? static_cast<double>(input.levels.size() - 1) : input.upper;
+    ++k;
+  }
+  return bounds;
 }
 
 Hyperparameters GaussianProcess::hyperparameters() const {
   const Dataset& data = state_->data;
   const double variance = state_->amplitude * data.scale * data.scale;
-  return {state_->covariance.length_scales.cwiseProduct(data.declared.upper - data.declared.lower),
-          variance, variance * state_->covariance.noise_ratio};
+  return {state_->covariance.length_scales.cwiseProduct(data.encoding.scale_units()), variance,
+          noise_variance(), state_->covariance.alpha};
 }
 
 double GaussianProcess::noise_variance() const {
-  return hyperparameters().noise_variance;
+  const Dataset& data = state_->data;
+  return state_->amplitude * data.scale * data.scale * state_->covariance.noise_ratio *
+         data.mean_noise();
 }
 
 Vector GaussianProcess::coefficients() const {
   Vector beta = state_->data.scale * state_->factor.beta;
-  if (state_->basis != Basis::none) beta[0] += state_->data.shift;
+  if (state_->data.trend.has_constant()) beta[0] += state_->data.shift;
   return beta;
 }
 
 double GaussianProcess::negative_log_likelihood() const {
-  const Dataset& data = state_->data;
-  const Eigen::Index trend = state_->estimator == Estimator::reml ? state_->factor.beta.size() : 0;
-  return surrogate::negative_log_likelihood(data, state_->factor, state_->covariance.noise_ratio,
-                                            state_->amplitude, state_->estimator) +
-         static_cast<double>(data.observations() - trend) * std::log(data.scale);
+  const State& s = *state_;
+  const double ratio = s.covariance.noise_ratio;
+  const Eigen::Index trend = s.estimator == Estimator::reml ? s.factor.beta.size() : 0;
+  return surrogate::negative_log_likelihood(s.data, s.factor, ratio, s.amplitude, s.estimator) +
+         (effective_observations(s.data, ratio) - static_cast<double>(trend)) *
+             std::log(s.data.scale) -
+         s.data.log_jacobian;
 }
 
 }  // namespace repose::surrogate

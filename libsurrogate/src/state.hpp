@@ -2,15 +2,15 @@
 #pragma once
 
 #include "factor.hpp"
+#include "repose/surrogate/gaussian_process.hpp"
 
 namespace repose::surrogate {
 
 struct GaussianProcess::State {
   Dataset data = {};
-  Covariance covariance = {};  ///< length scales in units of the declared range
-  double amplitude = 0.0;      ///< in squared units of the standardised response
+  Covariance covariance = {};
+  double amplitude = 0.0;  ///< process variance in squared units of the standardised response
   Noise noise = Noise::estimated;
-  Basis basis = Basis::constant;
   Estimator estimator = Estimator::reml;
   Factor factor = {};
   FitReport report = {};

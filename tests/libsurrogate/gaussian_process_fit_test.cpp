@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cstring>
+#include <map>
 
 #include "gp_data.hpp"
+#include "repose/base/error.hpp"
 #include "repose/opt/composite.hpp"
 #include "repose/surrogate/gaussian_process.hpp"
 
@@ -42,6 +44,13 @@ TEST_P(BestKnownLikelihood, IsReachedWithinHalfANat) {
       GaussianProcess::fit(x, data.col(inputs), range_of(x), deterministic_ml());
   EXPECT_LE(gp.negative_log_likelihood(), value + 0.5);
   EXPECT_NE(gp.report().termination, opt::Termination::failed);
+  // in other units the same model: shifted by n log c under c y, unchanged under c x
+  const double rows = static_cast<double>(x.rows());
+  constexpr double kC = 1e3;
+  const GaussianProcess scaled =
+      GaussianProcess::fit(kC * x, kC * data.col(inputs), range_of(kC * x), deterministic_ml());
+  EXPECT_NEAR(scaled.negative_log_likelihood() - gp.negative_log_likelihood(), rows * std::log(kC),
+              1e-4);
   RecordProperty("gap", std::to_string(gp.negative_log_likelihood() - value));
   RecordProperty("evaluations", gp.report().evaluations);
 }
@@ -184,6 +193,117 @@ TEST(GaussianProcessFit, FindsTheNoiseAndTheFunction) {
     squares += std::pow(gp.predict(s.probe.row(i)).mean - smooth_function(s.probe.row(i)), 2);
   EXPECT_LT(std::sqrt(squares / 50.0), 0.2);  // better than a single observation
   EXPECT_GT(gp.leave_one_out().q2, 0.6);
+}
+
+TEST(GaussianProcessFit, FixesAndBoundsEveryParameterItIsTold) {
+  const Noisy s;
+  GaussianProcessOptions options{.kernel = kernel_named("ard-rational-quadratic")};
+  options.bounds = {{"length_scale_2", 0.7, 0.7},
+                    {"length_scale_1", 0.05, 0.06},
+                    {"alpha", 2.0, 2.0},
+                    {"noise_variance", 0.03, 0.03}};
+  const auto gp = GaussianProcess::fit(s.x, s.y, s.cube, options);
+  const Hyperparameters found = gp.hyperparameters();
+  EXPECT_NEAR(found.length_scales[1], 0.7, 1e-14);
+  EXPECT_NEAR(found.length_scales[0], 0.06, 1e-12);  // it wants a longer one
+  EXPECT_NEAR(found.alpha, 2.0, 1e-14);
+  EXPECT_NEAR(found.noise_variance, 0.03, 1e-14);
+  EXPECT_NEAR(gp.noise_variance(), 0.03, 1e-14);
+  std::map<std::string, ParameterState> state;
+  for (const FittedParameter& p : gp.report().parameters) state[p.name] = p.state;
+  EXPECT_EQ(state.size(), 7u);
+  EXPECT_EQ(state["length_scale_1"], ParameterState::at_upper_bound);
+  EXPECT_EQ(state["length_scale_2"], ParameterState::fixed);
+  EXPECT_EQ(state["alpha"], ParameterState::fixed);
+  EXPECT_EQ(state["noise_variance"], ParameterState::fixed);
+  EXPECT_EQ(state["process_variance"], ParameterState::converged);
+
+  options.bounds = {{"length_scale_9", 0.1, 1.0}};
+  EXPECT_THROW(GaussianProcess::fit(s.x, s.y, s.cube, options), InputError);
+  options.bounds = {{"noise_ratio", 1.0, 0.1}};
+  EXPECT_THROW(GaussianProcess::fit(s.x, s.y, s.cube, options), InputError);
+}
+
+TEST(GaussianProcessFit, WithEverythingGivenIsTheModelWithThoseParameters) {
+  const Noisy s;
+  GaussianProcessOptions options{.kernel = kernel_named("matern32")};
+  options.bounds = {
+      {"length_scale", 0.8, 0.8}, {"process_variance", 1.5, 1.5}, {"noise_variance", 0.04, 0.04}};
+  const auto fitted = GaussianProcess::fit(s.x, s.y, s.cube, options);
+  const auto given = GaussianProcess::with_parameters(s.x, s.y, s.cube, {Vector{{0.8}}, 1.5, 0.04},
+                                                      {.kernel = options.kernel});
+  EXPECT_NEAR(fitted.negative_log_likelihood(), given.negative_log_likelihood(), 1e-9);
+  EXPECT_EQ(fitted.report().message, "every parameter was given");
+}
+
+/// Two ways to the same optimum, within what the search resolves.
+TEST(GaussianProcessFit, FindsTheSameWithTheAmplitudeProfiledOrSearched) {
+  const Noisy s;
+  for (const Estimator estimator : {Estimator::reml, Estimator::ml}) {
+    GaussianProcessOptions options{.estimator = estimator, .prior = Prior::none};
+    const auto profiled = GaussianProcess::fit(s.x, s.y, s.cube, options);
+    options.bounds = {{"process_variance", 1e-9, 1e9}};
+    const auto searched = GaussianProcess::fit(s.x, s.y, s.cube, options);
+    EXPECT_NEAR(searched.negative_log_likelihood(), profiled.negative_log_likelihood(), 1e-2);
+  }
+}
+
+TEST(GaussianProcessFit, ByLeaveOneOutDensityLeavesOutBetterThanByLikelihood) {
+  const Noisy s;
+  const auto loo =
+      GaussianProcess::fit(s.x, s.y, s.cube, {.estimator = Estimator::loo, .prior = Prior::none});
+  const auto ml =
+      GaussianProcess::fit(s.x, s.y, s.cube, {.estimator = Estimator::ml, .prior = Prior::none});
+  EXPECT_GT(loo.leave_one_out().log_density, ml.leave_one_out().log_density);
+  EXPECT_LT(ml.negative_log_likelihood(), loo.negative_log_likelihood());
+}
+
+TEST(GaussianProcessFit, MoreStartsAreNeverWorse) {
+  const Noisy s;
+  double before = std::numeric_limits<double>::infinity();
+  for (const int starts : {1, 2, 4, 8}) {
+    const auto gp = GaussianProcess::fit(
+        s.x, s.y, s.cube, {.estimator = Estimator::ml, .prior = Prior::none, .starts = starts});
+    EXPECT_LE(gp.negative_log_likelihood(), before + 1e-9);
+    before = gp.negative_log_likelihood();
+  }
+}
+
+TEST(GaussianProcessFit, IsTheTrendWhereTheTrendExplainsTheResponse) {
+  const Noisy s;
+  const Vector y = 3.0 * s.x.col(0) - 2.0 * s.x.col(3) + Vector::Constant(60, 5.0);
+  const auto gp = GaussianProcess::fit(s.x, y, s.cube, {.basis = Basis::linear});
+  const Vector at = s.probe.row(0);
+  EXPECT_NEAR(gp.predict(at).mean, 5.0 + 3.0 * at[0] - 2.0 * at[3], 1e-10);
+  EXPECT_EQ(gp.predict(at).variance, 0.0);
+  EXPECT_NEAR(gp.coefficients()[1], 3.0, 1e-10);
+}
+
+TEST(GaussianProcessFit, NamesARegressionFunctionThatDependsOnOthers) {
+  const Noisy s;
+  Matrix x = s.x;
+  x.col(2).setConstant(0.5);
+  try {
+    GaussianProcess::fit(x, s.y, s.cube, {.basis = Basis::linear});
+    FAIL() << "a constant input was accepted in a linear trend";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("'input 3'"), std::string::npos) << error.what();
+  }
+}
+
+TEST(GaussianProcessFit, DoesNotChangeWhenAllRowsAreGivenTwiceWithoutNoise) {
+  const Noisy s;
+  const Vector y = at_rows(s.x, smooth_function);
+  const auto once = GaussianProcess::fit(s.x, y, s.cube, {.noise = Noise::none});
+  const auto twice =
+      GaussianProcess::fit(s.x.replicate(2, 1), y.replicate(2, 1), s.cube, {.noise = Noise::none});
+  // the mean of twice as many numbers is rounded otherwise; the search magnifies that
+  const std::vector<Gaussian> a = once.predict_rows(s.probe);
+  const std::vector<Gaussian> b = twice.predict_rows(s.probe);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_NEAR(a[i].mean, b[i].mean, 1e-5);
+    EXPECT_NEAR(a[i].standard_deviation(), b[i].standard_deviation(), 1e-5);
+  }
 }
 
 TEST(GaussianProcessFit, CallsAnInputWithoutEffectInert) {

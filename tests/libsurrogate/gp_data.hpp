@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "repose/base/random.hpp"
-#include "repose/opt/objective.hpp"
+#include "repose/surrogate/gaussian_process.hpp"
 
 namespace repose::surrogate::test {
 
@@ -61,5 +61,19 @@ inline Vector at_rows(const Matrix& x, double (*f)(const Vector&)) {
   for (Eigen::Index i = 0; i < x.rows(); ++i) y[i] = f(x.row(i));
   return y;
 }
+
+/// 30 rows of which the last 8 repeat earlier points, with noise.
+struct Sample {
+  Matrix x = uniform_points(30, 3, 5);
+  Vector y;
+  opt::Bounds cube = opt::unit_cube(3);
+  Hyperparameters given{Vector{{0.4, 0.8, 1.1}}, 0.9, 0.02};
+  explicit Sample(Eigen::Index repeats = 8) {
+    for (Eigen::Index i = 0; i < repeats; ++i) x.row(29 - i) = x.row(i % 4);
+    y = at_rows(x, smooth_function);
+    RandomStream random(6);
+    for (double& value : y) value += 0.1 * random.normal();
+  }
+};
 
 }  // namespace repose::surrogate::test

@@ -1,64 +1,65 @@
 // repose fit: a surrogate of one column of a table.
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
+#include "model_columns.hpp"
 #include "repose/base/error.hpp"
-#include "repose/base/text.hpp"
-#include "repose/surrogate/gaussian_process.hpp"
-#include "repose/surrogate/model_file.hpp"
+#include "repose/surrogate/selection.hpp"
 #include "repose/table/io.hpp"
 
 namespace repose::cli {
 namespace {
+
+using surrogate::GaussianProcess;
+using surrogate::GaussianProcessOptions;
 
 struct FitOptions {
   CommonOptions common;
   std::string table;
   std::string response;
   std::vector<std::string> inputs;
+  std::vector<std::string> log_inputs;
+  std::vector<std::string> bounds;
   std::string model = "gpr";
   std::string kernel = "ard-matern52";
+  std::string basis = "constant";
   std::string noise = "estimated";
   std::string estimator = "reml";
+  std::string prior;
+  std::string response_scale = "linear";
+  std::string coding = "exchangeable";
+  std::string group;
   std::string output;
+  bool select = false;
   int starts = 5;
   std::uint64_t seed = 1;
 };
 
+template <class Enum>
+Enum named(const std::string& text, std::initializer_list<Enum> values) {
+  for (const Enum value : values)
+    if (text == to_string(value)) return value;
+  throw InputError(fmt::format("'{}' is not known", text));  // CLI11 has checked it before
+}
+
 /// Columns named on the command line, or those with the role factor, or all numbers but the
-/// response.
+/// response and what describes it.
 std::vector<std::string> inputs_of(const table::Table& table, const FitOptions& options) {
   if (!options.inputs.empty()) return options.inputs;
   auto names = table.names_with_role(table::Role::factor);
   if (names.empty())
     for (const auto& c : table.columns())
-      if (c.role == table::Role::none && c.name != options.response &&
+      if (c.role == table::Role::none && c.name != options.response && c.name != options.group &&
+          "column:" + c.name != options.noise &&
           !std::holds_alternative<std::vector<std::string>>(c.values))
         names.push_back(c.name);
   if (names.empty())
     throw InputError("the table has no column to predict from; name them with --input");
   return names;
-}
-
-/// The declared ranges of the inputs, or those of the data where none is declared.
-opt::Bounds ranges_of(const table::Table& table, const std::vector<std::string>& inputs,
-                      const Matrix& x) {
-  const auto d = static_cast<Eigen::Index>(inputs.size());
-  opt::Bounds bounds{Vector(d), Vector(d)};
-  for (Eigen::Index k = 0; k < d; ++k) {
-    const auto& column = table.column(inputs[static_cast<std::size_t>(k)]);
-    bounds.lower[k] = column.range ? column.range->lower : x.col(k).minCoeff();
-    bounds.upper[k] = column.range ? column.range->upper : x.col(k).maxCoeff();
-    if (!(bounds.lower[k] < bounds.upper[k]))
-      throw InputError(
-          fmt::format("column {} is {} in every row: nothing can be learnt from it; leave it out "
-                      "by naming the others with --input",
-                      column.name, shortest(bounds.lower[k])));
-  }
-  return bounds;
 }
 
 /// Rows in which the response is not missing.
@@ -71,73 +72,235 @@ table::Table usable_rows(const table::Table& table, const std::string& response)
   return table.selected_rows(rows);
 }
 
-void print_fit(const surrogate::NamedModel& named, const FitOptions& options) {
-  const auto& model = named.model;
-  const auto& report = model.report();
-  const auto loo = model.leave_one_out();
-  if (options.common.json) {
-    nlohmann::json parameters = nlohmann::json::array();
-    for (const auto& p : report.parameters)
-      parameters.push_back({{"name", p.name},
-                            {"value", p.value},
-                            {"state", to_string(p.state)},
-                            {"relevance", p.relevance}});
-    fmt::print("{}\n",
-               nlohmann::json{{"response", named.response},
-                              {"inputs", named.inputs},
-                              {"rows", model.rows()},
-                              {"negative_log_likelihood", model.negative_log_likelihood()},
-                              {"parameters", parameters},
-                              {"noise_standard_deviation", std::sqrt(model.noise_variance())},
-                              {"loo_q2", loo.q2},
-                              {"loo_rmse", loo.rmse},
-                              {"loo_coverage95", loo.coverage95},
-                              {"evaluations", report.evaluations},
-                              {"seconds", report.seconds},
-                              {"message", report.message},
-                              {"file", options.output}}
-                   .dump(2));
-    return;
-  }
-  fmt::print("{} of {} rows and {} inputs, {}, {:.2f} s\n\n", named.response, model.rows(),
-             named.inputs.size(), to_string(model.kernel()), report.seconds);
-  for (std::size_t i = 0; i < report.parameters.size(); ++i) {
-    const auto& p = report.parameters[i];
-    const auto label = i < named.inputs.size() ? "length scale of " + named.inputs[i] : p.name;
-    fmt::print("  {:<40} {:>12.5g}  {}\n", label, p.value, to_string(p.state));
-  }
-  fmt::print("  {:<40} {:>12.5g}\n", "standard deviation of the noise",
-             std::sqrt(model.noise_variance()));
-  fmt::print("  {:<40} {:>12.5g}\n", "negative log likelihood", model.negative_log_likelihood());
-  fmt::print("  {:<40} {:>12.4f}\n", "left-out rows: Q2", loo.q2);
-  fmt::print("  {:<40} {:>12.5g}\n", "left-out rows: root mean square error", loo.rmse);
-  fmt::print("  {:<40} {:>11.0f}%\n", "left-out rows: inside their 95 % interval",
-             100.0 * loo.coverage95);
-  fmt::print("\nwritten to {}\n", options.output);
+Vector vector_of(const std::vector<double>& values) {
+  return Eigen::Map<const Vector>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
-void fit(const FitOptions& options) {
-  const auto table =
-      usable_rows(table::read_table(table::parse_location(options.table), table::Missing::allow),
-                  options.response);
-  const auto inputs = inputs_of(table, options);
-  const Matrix x = table.matrix(inputs);
-  const auto y = table.numbers(options.response);
-  surrogate::GaussianProcessOptions gp;
-  gp.kernel = surrogate::kernel_named(options.kernel);
-  gp.noise = options.noise == "none" ? surrogate::Noise::none : surrogate::Noise::estimated;
-  gp.estimator = options.estimator == "ml" ? surrogate::Estimator::ml : surrogate::Estimator::reml;
-  if (gp.estimator == surrogate::Estimator::ml) gp.prior = surrogate::Prior::none;
+void set_noise(GaussianProcessOptions& gp, const std::string& text, const table::Table& table) {
+  if (text.starts_with("column:")) {
+    gp.noise = surrogate::Noise::known;
+    gp.noise_variances = vector_of(table.numbers(text.substr(7)));
+  } else {
+    gp.noise = text == "none"       ? surrogate::Noise::none
+               : text == "by-point" ? surrogate::Noise::by_point
+                                    : surrogate::Noise::estimated;
+  }
+}
+
+/// NAME=VALUE fixes, NAME=LOWER:UPPER bounds; the name of an input is that of its length scale.
+surrogate::ParameterBounds parse_bounds(const std::string& text,
+                                        const std::vector<std::string>& inputs) {
+  const auto equals = text.find('=');
+  const auto colon = text.find(':', equals == std::string::npos ? 0 : equals);
+  surrogate::ParameterBounds b{.name = text.substr(0, equals)};
+  const auto number = [&text](std::size_t begin, std::size_t end) {
+    double value = 0.0;
+    const char* last = text.data() + std::min(end, text.size());
+    const auto read = std::from_chars(text.data() + begin, last, value);
+    if (read.ec != std::errc() || read.ptr != last)
+      throw InputError(
+          fmt::format("--bound {}: write NAME=VALUE or NAME=LOWER:UPPER, e.g. alpha=1", text));
+    return value;
+  };
+  const auto first = equals == std::string::npos ? text.size() : equals + 1;
+  b.lower = number(first, colon);
+  b.upper = colon == std::string::npos ? b.lower : number(colon + 1, text.size());
+  for (std::size_t k = 0; k < inputs.size(); ++k)
+    if (inputs[k] == b.name) b.name = fmt::format("length_scale_{}", k + 1);
+  return b;
+}
+
+GaussianProcessOptions model_options(const FitOptions& options, const table::Table& table,
+                                     const std::vector<std::string>& inputs) {
+  using namespace surrogate;
+  GaussianProcessOptions gp;
+  gp.kernel = kernel_named(options.kernel);
+  gp.basis = basis_named(options.basis);
+  set_noise(gp, options.noise, table);
+  gp.response_scale = named(options.response_scale,
+                            {ResponseScale::linear, ResponseScale::log, ResponseScale::logit});
+  gp.estimator = named(options.estimator, {Estimator::ml, Estimator::reml, Estimator::loo});
+  const bool jointly_robust =
+      options.prior.empty() ? gp.estimator == Estimator::reml : options.prior == "jointly-robust";
+  gp.prior = jointly_robust ? Prior::jointly_robust : Prior::none;
+  for (const auto& text : options.bounds) gp.bounds.push_back(parse_bounds(text, inputs));
   gp.starts = options.starts;
   gp.seed = options.seed;
   gp.threads = 0;
-  const surrogate::NamedModel named{
-      surrogate::GaussianProcess::fit(
-          x, Eigen::Map<const Vector>(y.data(), static_cast<Eigen::Index>(y.size())),
-          ranges_of(table, inputs, x), gp),
-      inputs, options.response};
-  surrogate::save_model(options.output, named);
-  print_fit(named, options);
+  return gp;
+}
+
+struct Fitted {
+  surrogate::NamedModel named;
+  std::vector<surrogate::Candidate> candidates;
+  std::vector<Eigen::Index> groups;
+};
+
+Fitted fit_model(const FitOptions& options) {
+  const auto table =
+      usable_rows(table::read_table(table::parse_location(options.table), table::Missing::allow),
+                  options.response);
+  const auto names = inputs_of(table, options);
+  const auto inputs = inputs_from_columns(
+      table, names, options.log_inputs,
+      named(options.coding, {surrogate::Coding::label, surrogate::Coding::one_hot,
+                             surrogate::Coding::exchangeable}));
+  const Matrix x = input_matrix(table, names, inputs);
+  const Vector y = vector_of(table.numbers(options.response));
+  const auto gp = model_options(options, table, names);
+  std::vector<Eigen::Index> groups;
+  if (!options.group.empty()) groups = groups_from_column(table, options.group);
+  if (!options.select)
+    return {{GaussianProcess::fit(x, y, inputs, gp), names, options.response}, {}, groups};
+  auto selection = surrogate::select_model(x, y, inputs, gp, {.groups = groups, .threads = 0});
+  return {{selection.model, names, options.response}, std::move(selection.candidates), groups};
+}
+
+/// What a parameter is, in words of the table.
+std::string label(const std::string& parameter, const std::vector<std::string>& inputs) {
+  constexpr std::string_view kScale = "length_scale_";
+  if (!parameter.starts_with(kScale)) return parameter;
+  std::size_t end = 0;
+  const std::string rest = parameter.substr(kScale.size());
+  const auto k = static_cast<std::size_t>(std::stoul(rest, &end)) - 1;
+  const std::string level = end < rest.size() ? ", level " + rest.substr(end + 1) : "";
+  return "length scale of " + inputs.at(k) + level;
+}
+
+nlohmann::json to_json(const Fitted& fitted, const surrogate::LeftOut& out,
+                       const std::string& file) {
+  const auto& model = fitted.named.model;
+  const auto& report = model.report();
+  nlohmann::json parameters = nlohmann::json::array();
+  for (const auto& p : report.parameters)
+    parameters.push_back({{"name", p.name},
+                          {"meaning", label(p.name, fitted.named.inputs)},
+                          {"value", p.value},
+                          {"lower", p.lower},
+                          {"upper", p.upper},
+                          {"state", to_string(p.state)},
+                          {"relevance", p.relevance}});
+  nlohmann::json candidates = nlohmann::json::array();
+  for (const auto& c : fitted.candidates)
+    candidates.push_back({{"kernel", to_string(c.kernel)},
+                          {"basis", to_string(c.basis)},
+                          {"log_density", c.log_density},
+                          {"q2", c.q2},
+                          {"rmse", c.rmse},
+                          {"coverage95", c.coverage95},
+                          {"negative_log_likelihood", c.negative_log_likelihood},
+                          {"seconds", c.seconds},
+                          {"failure", c.failure}});
+  const auto hyper = model.hyperparameters();
+  return {{"response", fitted.named.response},
+          {"inputs", fitted.named.inputs},
+          {"rows", model.rows()},
+          {"kernel", to_string(model.kernel())},
+          {"basis", to_string(model.basis())},
+          {"estimator", to_string(model.estimator())},
+          {"negative_log_likelihood", model.negative_log_likelihood()},
+          {"parameters", parameters},
+          {"process_variance", hyper.process_variance},
+          {"noise_standard_deviation", std::sqrt(hyper.noise_variance)},
+          {"loo_q2", out.q2},
+          {"loo_rmse", out.rmse},
+          {"loo_coverage95", out.coverage95},
+          {"loo_log_density", out.log_density},
+          {"left_out", fitted.groups.empty() ? "points" : "groups"},
+          {"candidates", candidates},
+          {"jitter", report.jitter},
+          {"evaluations", report.evaluations},
+          {"seconds", report.seconds},
+          {"message", report.message},
+          {"file", file}};
+}
+
+void print_text(const Fitted& fitted, const surrogate::LeftOut& out, const std::string& file) {
+  const auto& model = fitted.named.model;
+  const auto& report = model.report();
+  if (!fitted.candidates.empty()) {
+    fmt::print("{:<24} {:<10} {:>12} {:>8} {:>11} {:>6}\n", "kernel", "basis", "log density", "Q2",
+               "rmse", "in 95%");
+    for (const auto& c : fitted.candidates) {
+      if (!c.failure.empty())
+        fmt::print("{:<24} {:<10} {}\n", to_string(c.kernel), to_string(c.basis), c.failure);
+      else
+        fmt::print("{:<24} {:<10} {:>12.3f} {:>8.4f} {:>11.5g} {:>5.0f}%\n", to_string(c.kernel),
+                   to_string(c.basis), c.log_density, c.q2, c.rmse, 100.0 * c.coverage95);
+    }
+    fmt::print("\n");
+  }
+  fmt::print("{} of {} rows and {} inputs, {}, basis {}, {:.2f} s\n\n", fitted.named.response,
+             model.rows(), fitted.named.inputs.size(), to_string(model.kernel()),
+             to_string(model.basis()), report.seconds);
+  for (const auto& p : report.parameters)
+    fmt::print("  {:<40} {:>12.5g}  {}\n", label(p.name, fitted.named.inputs), p.value,
+               to_string(p.state));
+  const char* what = fitted.groups.empty() ? "left-out rows" : "left-out groups";
+  const auto line = [](const std::string& name, const std::string& value) {
+    fmt::print("  {:<40} {:>12}\n", name, value);
+  };
+  line("standard deviation of the noise", fmt::format("{:.5g}", std::sqrt(model.noise_variance())));
+  line("negative log likelihood", fmt::format("{:.5g}", model.negative_log_likelihood()));
+  line(fmt::format("{}: Q2", what), fmt::format("{:.4f}", out.q2));
+  line(fmt::format("{}: root mean square error", what), fmt::format("{:.5g}", out.rmse));
+  line(fmt::format("{}: inside their 95 % interval", what),
+       fmt::format("{:.0f}%", 100.0 * out.coverage95));
+  line(fmt::format("{}: log density", what), fmt::format("{:.3f}", out.log_density));
+  fmt::print("\nwritten to {}\n", file);
+}
+
+void fit(const FitOptions& options) {
+  const Fitted fitted = fit_model(options);
+  surrogate::save_model(options.output, fitted.named);
+  const auto& model = fitted.named.model;
+  const auto out =
+      fitted.groups.empty() ? model.leave_one_out() : model.leave_groups_out(fitted.groups);
+  if (options.common.json)
+    fmt::print("{}\n", to_json(fitted, out, options.output).dump(2));
+  else
+    print_text(fitted, out, options.output);
+}
+
+void add_model_options(CLI::App* command, FitOptions* o) {
+  std::vector<std::string> kernels;
+  for (const auto kernel : surrogate::all_kernels()) kernels.emplace_back(to_string(kernel));
+  command->add_option("--model", o->model, "gpr: Gaussian process regression")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"gpr"}));
+  command
+      ->add_option("--kernel", o->kernel,
+                   "correlation; ard-: a scale for each input; a wrong name lists all")
+      ->capture_default_str()
+      ->check(CLI::IsMember(kernels).description(""));
+  command->add_option("--basis", o->basis, "trend")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"none", "constant", "linear", "quadratic"}));
+  command->add_flag("--select", o->select,
+                    "try all kernels and bases, keep the best at predicting rows left out");
+  command->add_option("--group", o->group, "column whose groups are left out together");
+  command
+      ->add_option("--noise", o->noise,
+                   "estimated, none, by-point (repeats), column:NAME (variances)")
+      ->capture_default_str()
+      ->check(CLI::Validator(
+          [](const std::string& s) {
+            const bool known = s == "estimated" || s == "none" || s == "by-point";
+            return known || s.starts_with("column:")
+                       ? std::string()
+                       : "'" + s + "' is not estimated, none, by-point or column:NAME";
+          },
+          "NOISE"));
+  command->add_option("--estimator", o->estimator, "what is maximised")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"reml", "ml", "loo"}));
+  command->add_option("--prior", o->prior, "jointly-robust (with reml) or none (else)")
+      ->check(CLI::IsMember({"jointly-robust", "none"}));
+  command->add_option("--bound", o->bounds,
+                      "NAME=VALUE or NAME=LOWER:UPPER of a parameter; an input: its scale");
+  command->add_option("--response-scale", o->response_scale, "model y, log y or log(y/(1-y))")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"linear", "log", "logit"}));
 }
 
 }  // namespace
@@ -151,20 +314,14 @@ void add_fit(CLI::App& app) {
   command->add_option("--response", o->response, "column to predict")->required();
   command
       ->add_option("--input", o->inputs,
-                   "columns to predict from; the table's factors unless given")
+                   "columns to predict from (text: categories); else the factors")
       ->delimiter(',');
-  command->add_option("--model", o->model, "gpr: Gaussian process regression")
+  command->add_option("--log", o->log_inputs, "inputs on a log scale, besides those declared so")
+      ->delimiter(',');
+  command->add_option("--coding", o->coding, "of categories")
       ->capture_default_str()
-      ->check(CLI::IsMember({"gpr"}));
-  command->add_option("--kernel", o->kernel, "ard-matern52 or ard-squared-exponential")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"ard-matern52", "ard-squared-exponential"}));
-  command->add_option("--noise", o->noise, "estimated or none")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"estimated", "none"}));
-  command->add_option("--estimator", o->estimator, "reml, with the jointly robust prior, or ml")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"reml", "ml"}));
+      ->check(CLI::IsMember({"label", "one-hot", "exchangeable"}));
+  add_model_options(command, o.get());
   command->add_option("--starts", o->starts, "of the likelihood's search")
       ->capture_default_str()
       ->check(CLI::Range(1, 10000));

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
+#include "model_columns.hpp"
 #include "repose/base/error.hpp"
-#include "repose/surrogate/model_file.hpp"
 #include "repose/table/io.hpp"
 
 namespace repose::cli {
@@ -17,64 +17,84 @@ struct PredictOptions {
   std::string model;
   std::string table;
   std::string output;
+  bool gradient = false;
 };
 
-/// The model's inputs; ln_NAME is the logarithm of a column NAME where the table has no column
-/// ln_NAME.
-Matrix inputs_of(const table::Table& table, const std::vector<std::string>& inputs) {
-  Matrix x(static_cast<Eigen::Index>(table.rows()), static_cast<Eigen::Index>(inputs.size()));
-  for (std::size_t k = 0; k < inputs.size(); ++k) {
-    const bool log = !table.has(inputs[k]) && inputs[k].starts_with("ln_");
-    const auto values = table.numbers(log ? inputs[k].substr(3) : inputs[k]);
-    for (std::size_t i = 0; i < values.size(); ++i)
-      x(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
-          log ? std::log(values[i]) : values[i];
+/// Column suffix and values, in order.
+using Columns = std::vector<std::pair<std::string, table::Values>>;
+
+Columns predicted_columns(const surrogate::NamedModel& named, const Matrix& x) {
+  std::vector<double> mean, sd, observation_sd;
+  std::vector<std::int64_t> outside, far;
+  for (const auto& p : named.model.predictions(x)) {
+    mean.push_back(p.function.mean);
+    sd.push_back(p.function.standard_deviation());
+    observation_sd.push_back(std::sqrt(p.observation_variance));
+    outside.push_back(p.outside_range ? 1 : 0);
+    far.push_back(p.far_from_data ? 1 : 0);
   }
-  return x;
+  return {{"predicted", mean},
+          {"function_sd", sd},
+          {"observation_sd", observation_sd},
+          {"outside_range", outside},
+          {"far_from_data", far}};
+}
+
+/// Derivatives of mean and standard deviation in each input, per unit of it.
+Columns gradient_columns(const surrogate::NamedModel& named, const Matrix& x) {
+  const auto d = named.inputs.size();
+  std::vector<std::vector<double>> mean(d), sd(d);
+  for (Eigen::Index i = 0; i < x.rows(); ++i) {
+    const auto g = named.model.predict_gradient(x.row(i));
+    for (std::size_t k = 0; k < d; ++k) {
+      mean[k].push_back(g.mean[static_cast<Eigen::Index>(k)]);
+      sd[k].push_back(g.standard_deviation[static_cast<Eigen::Index>(k)]);
+    }
+  }
+  Columns columns;
+  for (std::size_t k = 0; k < d; ++k) {
+    columns.emplace_back("predicted_by_" + named.inputs[k], mean[k]);
+    columns.emplace_back("function_sd_by_" + named.inputs[k], sd[k]);
+  }
+  return columns;
+}
+
+void print_json(const surrogate::NamedModel& named, const Columns& columns,
+                const std::string& file) {
+  nlohmann::json json{{"response", named.response}, {"file", file}};
+  for (const auto& [suffix, values] : columns)
+    std::visit([&json, &name = suffix](const auto& v) { json[name] = v; }, values);
+  fmt::print("{}\n", json.dump(2));
+}
+
+std::int64_t count_of(const Columns& columns, const std::string& suffix) {
+  for (const auto& [name, values] : columns)
+    if (name == suffix) {
+      const auto& flags = std::get<std::vector<std::int64_t>>(values);
+      return std::count(flags.begin(), flags.end(), 1);
+    }
+  return 0;
 }
 
 void predict(const PredictOptions& options) {
   const auto named = surrogate::load_model(options.model);
   auto table = table::read_table(table::parse_location(options.table), table::Missing::allow);
-  const Matrix x = inputs_of(table, named.inputs);
+  const Matrix x = input_matrix(table, named.inputs, named.model.inputs());
   if (!x.allFinite())
     throw InputError(fmt::format("{}: an input is missing; give every row a value", options.table));
-  const auto& bounds = named.model.declared_bounds();
-  std::vector<double> mean, sd, observation_sd;
-  std::vector<std::int64_t> outside;
-  const auto predictions = named.model.predict_rows(x);
-  for (Eigen::Index i = 0; i < x.rows(); ++i) {
-    const auto& p = predictions[static_cast<std::size_t>(i)];
-    mean.push_back(p.mean);
-    sd.push_back(p.standard_deviation());
-    observation_sd.push_back(std::sqrt(p.variance + named.model.noise_variance()));
-    const auto row = x.row(i).transpose().array();
-    outside.push_back((row < bounds.lower.array()).any() || (row > bounds.upper.array()).any() ? 1
-                                                                                               : 0);
-  }
-  const auto add = [&](const std::string& suffix, table::Values values) {
-    table.add({.name = named.response + suffix, .range = {}, .values = std::move(values)});
-  };
-  add("_predicted", mean);
-  add("_function_sd", sd);
-  add("_observation_sd", observation_sd);
-  add("_outside_range", outside);
+  Columns columns = predicted_columns(named, x);
+  if (options.gradient)
+    for (auto& column : gradient_columns(named, x)) columns.push_back(std::move(column));
+  for (const auto& [suffix, values] : columns)
+    table.add({.name = named.response + "_" + suffix, .range = {}, .values = values});
   table::stamp_provenance(table, command_line(), std::nullopt, {options.model, options.table});
   table::write_table(table::parse_location(options.output), table);
-  const auto extrapolated = std::count(outside.begin(), outside.end(), 1);
-  if (options.common.json) {
-    fmt::print("{}\n", nlohmann::json{{"response", named.response},
-                                      {"predicted", mean},
-                                      {"function_sd", sd},
-                                      {"observation_sd", observation_sd},
-                                      {"outside_range", outside},
-                                      {"file", options.output}}
-                           .dump(2));
-    return;
-  }
+  if (options.common.json) return print_json(named, columns, options.output);
   fmt::print("{} predicted for {} rows, written to {}\n", named.response, x.rows(), options.output);
-  if (extrapolated > 0)
-    fmt::print("{} of them lie outside the range the model was fitted for\n", extrapolated);
+  if (const auto n = count_of(columns, "outside_range"); n > 0)
+    fmt::print("{} of them lie outside the range the model was fitted for\n", n);
+  if (const auto n = count_of(columns, "far_from_data"); n > 0)
+    fmt::print("{} of them lie so far from the data that these tell little of them\n", n);
 }
 
 }  // namespace
@@ -87,6 +107,8 @@ void add_predict(CLI::App& app) {
   command->add_option("TABLE", o->table, "table with the model's inputs as columns")->required();
   command->add_option("-o,--output", o->output, "the table with predictions added (.h5 or .csv)")
       ->required();
+  command->add_flag("--gradient", o->gradient,
+                    "add the derivatives of mean and standard deviation in each input");
   command->callback([o] { predict(*o); });
 }
 

@@ -1,15 +1,20 @@
 // A fitted model on disk; a loaded model predicts the same bits.
 //
-// One HDF5 file of tables (see repose/table/io.hpp), readable without repose:
-//   /            attributes: repose_model "gaussian-process", model_version 1, response, kernel,
-//   noise, basis,
-//                estimator; shift and scale of y = shift + scale * standardised; amplitude (process
-//                variance / scale^2), noise_ratio, jitter, within; how the fit went
-//   /inputs      a row an input: name, lower, upper (declared range), length_scale (in units of the
-//   range) /points      a row a different point: u1 ... ud in units of the range, y (mean,
-//   standardised), count /rows        a row an observation: point (index, from 0), y (standardised)
-//   /factor      l: lower Cholesky factor of R + noise_ratio diag(1/count) + jitter I, packed by
-//   columns /parameters  what the fit searched for, where it did
+// One HDF5 file of tables (see repose/table/io.hpp), readable without repose. Version 2:
+//   /              attributes: repose_model "gaussian-process", model_version, response,
+//                  response_scale, kernel, alpha, noise, basis, estimator; shift and scale of
+//                  modelled y = shift + scale * standardised; amplitude (process variance/scale^2),
+//                  noise_ratio, jitter, within, log_repeats, log_jacobian; how the fit went
+//   /inputs        a row an input: name, lower, upper, scale, levels (their number), coding
+//   /levels        of the categories: input, level
+//   /length_scales name, length_scale (in units of the coordinates u)
+//   /points        a row a different point: x1 ... xd in natural units, u1 ... up encoded, y (mean,
+//                  standardised), noise (weight v of its mean)
+//   /rows          a row an observation: point (index, from 0), y (standardised), noise (weight w)
+//   /factor        l: lower Cholesky factor of R + noise_ratio diag(v) + jitter I, packed by
+//   columns /trend         regression functions and their coefficients; /functions those of the
+//   user /parameters    what the fit searched for
+// Version 1 is read too.
 #pragma once
 
 #include <filesystem>
@@ -31,8 +36,9 @@ struct NamedModel {
 /// StorageError.
 void save_model(const std::filesystem::path& path, const NamedModel& model);
 
-/// Throws StorageError where the file is missing, damaged, no model or of a newer version, naming
-/// it.
-NamedModel load_model(const std::filesystem::path& path);
+/// Regression functions of the user are code and must be given again, with the names that the file
+/// has; else InputError. Throws StorageError where the file is missing, damaged, no model or of a
+/// newer version, naming it.
+NamedModel load_model(const std::filesystem::path& path, const BasisFunctions& functions = {});
 
 }  // namespace repose::surrogate

@@ -1,0 +1,31 @@
+#include "posterior.hpp"
+
+#include <fmt/format.h>
+
+#include "repose/base/error.hpp"
+
+namespace repose::surrogate {
+
+Posterior::Posterior(const ModelAccess::State& s, const Matrix& natural) {
+  if (natural.cols() != s.data.dimension())
+    throw InputError(fmt::format("a prediction at points of {} inputs; the model has {}",
+                                 natural.cols(), s.data.dimension()));
+  at = s.data.encoding.encode(natural);
+  v = cross_correlation(s.covariance.correlator(s.data.encoding), s.data.x, at);
+  const Matrix h = trend_matrix(s.data.trend, s.data.encoding, natural, at);
+  mean = h * s.factor.beta + v.transpose() * s.factor.alpha;
+  s.factor.l.triangularView<Eigen::Lower>().solveInPlace(v);
+  t.resize(h.cols(), at.rows());
+  if (h.cols() > 0)
+    t = s.factor.u.transpose().triangularView<Eigen::Lower>().solve(h.transpose()) -
+        s.factor.q1.transpose() * v;
+}
+
+Vector Posterior::covariance_with(const ModelAccess::State& s, Eigen::Index j) const {
+  Vector c = cross_correlation(s.covariance.correlator(s.data.encoding), at, at.row(j));
+  c.noalias() -= v.transpose() * v.col(j);
+  c.noalias() += t.transpose() * t.col(j);
+  return c;
+}
+
+}  // namespace repose::surrogate

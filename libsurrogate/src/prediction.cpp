@@ -1,0 +1,130 @@
+// Predictions of a Gaussian process and their derivatives.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "posterior.hpp"
+#include "repose/base/error.hpp"
+#include "response.hpp"
+
+namespace repose::surrogate {
+namespace {
+
+using State = ModelAccess::State;
+
+constexpr Eigen::Index kBlock = 128;
+constexpr double kFarFromData = 0.8 * 0.8;  // of the process variance
+
+/// Of standardised responses, in units of the process variance.
+struct Block {
+  Vector mean;
+  Vector kriging_variance;
+  Vector trend_variance;
+};
+
+/// On the scale that is modelled.
+Gaussian modelled_at(const State& s, const Block& block, Eigen::Index i) {
+  const double variance = std::max(0.0, block.kriging_variance[i] + block.trend_variance[i]);
+  return {s.data.shift + s.data.scale * block.mean[i],
+          s.data.scale * s.data.scale * s.amplitude * variance};
+}
+
+template <class Use>
+void for_each_row(const State& s, const Matrix& x, const Use& use) {
+  for (Eigen::Index begin = 0; begin < x.rows(); begin += kBlock) {
+    const Eigen::Index size = std::min(kBlock, x.rows() - begin);
+    const Posterior posterior(s, x.middleRows(begin, size));
+    const Block block{posterior.mean, posterior.kriging_variance(), posterior.trend_variance()};
+    for (Eigen::Index i = 0; i < size; ++i) use(block, i, begin + i);
+  }
+}
+
+}  // namespace
+
+std::vector<Gaussian> GaussianProcess::predict_rows(const Matrix& x) const {
+  const State& s = *state_;
+  std::vector<Gaussian> result;
+  result.reserve(static_cast<std::size_t>(x.rows()));
+  for_each_row(s, x, [&](const Block& block, Eigen::Index i, Eigen::Index) {
+    result.push_back(moments(s.data.response_scale, modelled_at(s, block, i)).y);
+  });
+  return result;
+}
+
+Gaussian GaussianProcess::predict(const Vector& x) const {
+  return predict_rows(x.transpose())[0];
+}
+
+std::vector<Prediction> GaussianProcess::predictions(const Matrix& x) const {
+  const State& s = *state_;
+  const double noise = noise_variance();
+  std::vector<Prediction> result;
+  result.reserve(static_cast<std::size_t>(x.rows()));
+  for_each_row(s, x, [&](const Block& block, Eigen::Index i, Eigen::Index row) {
+    const Gaussian function = modelled_at(s, block, i);
+    Prediction p{.function = moments(s.data.response_scale, function).y};
+    p.observation_variance =
+        moments(s.data.response_scale, {function.mean, function.variance + noise}).y.variance;
+    for (Eigen::Index k = 0; k < x.cols(); ++k)
+      p.outside_range = p.outside_range || s.data.encoding.outside(k, x(row, k));
+    p.far_from_data = block.kriging_variance[i] > kFarFromData;
+    result.push_back(p);
+  });
+  return result;
+}
+
+/// mean' = k'^T a + h'^T beta; variance' = -2 k'^T L^-T (w + Q1 t) + 2 h'^T U^-1 t with w = L^-1 k
+/// and t = U^-T h - Q1^T w, as d(w^T w) = 2 (L^-T w)^T k'; k' = -G (q - x)/l^2.
+PredictionGradient GaussianProcess::predict_gradient(const Vector& x) const {
+  const State& s = *state_;
+  if (x.size() != dimension())
+    throw InputError(
+        fmt::format("a gradient at a point of {} inputs; the model has {}", x.size(), dimension()));
+  const Encoding& encoding = s.data.encoding;
+  const Matrix natural = x.transpose();
+  const Matrix q = encoding.encode(natural);
+  const Correlator correlator = s.covariance.correlator(encoding);
+  const Eigen::Index n = s.data.points();
+  Vector w(n);
+  Vector slope(n);
+  squared_distances(s.data.x.data(), n, n, encoding.coordinates(), q.data(), 1,
+                    correlator.weight.data(), w.data());
+  correlate(correlator.correlation, correlator.alpha, n, w.data(), {.scale = slope.data()});
+  const Vector h = trend_matrix(s.data.trend, encoding, natural, q).row(0);
+  const double mean = h.dot(s.factor.beta) + w.dot(s.factor.alpha);
+  s.factor.l.triangularView<Eigen::Lower>().solveInPlace(w);
+  const Vector t =
+      s.factor.u.transpose().triangularView<Eigen::Lower>().solve(h) - s.factor.q1.transpose() * w;
+  const double variance = std::max(0.0, 1.0 - w.squaredNorm() + t.squaredNorm());
+  const Vector by_k =
+      -2.0 * s.factor.l.transpose().triangularView<Eigen::Upper>().solve(w + s.factor.q1 * t);
+  const Vector by_h = 2.0 * s.factor.u.triangularView<Eigen::Upper>().solve(t);
+
+  const Matrix jacobian = trend_jacobian(s.data.trend, encoding, x, q.row(0));
+  Vector d_mean = jacobian.transpose() * s.factor.beta;
+  Vector d_variance = jacobian.transpose() * by_h;
+  for (Eigen::Index p = 0; p < encoding.coordinates(); ++p) {
+    const Eigen::Index k = encoding.input_of(p);
+    const double chain = encoding.derivative(k, x[k]);
+    if (chain == 0.0) continue;
+    const Vector dk = (-correlator.weight[p] * chain) *
+                      (slope.array() * (q(0, p) - s.data.x.col(p).array())).matrix();
+    d_mean[k] += dk.dot(s.factor.alpha);
+    d_variance[k] += dk.dot(by_k);
+  }
+  const double unit = s.data.scale * s.data.scale * s.amplitude;
+  d_mean *= s.data.scale;
+  d_variance *= unit;
+  const Moments m =
+      moments(s.data.response_scale, {s.data.shift + s.data.scale * mean, unit * variance});
+  PredictionGradient result{.function = m.y,
+                            .mean = m.mean_by_mean * d_mean + m.mean_by_variance * d_variance};
+  const double sd = m.y.standard_deviation();
+  result.standard_deviation = Vector::Zero(x.size());
+  if (sd > 0.0)
+    result.standard_deviation =
+        (m.variance_by_mean * d_mean + m.variance_by_variance * d_variance) / (2.0 * sd);
+  return result;
+}
+
+}  // namespace repose::surrogate

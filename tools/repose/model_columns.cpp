@@ -1,0 +1,110 @@
+#include "model_columns.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "repose/base/error.hpp"
+#include "repose/base/text.hpp"
+
+namespace repose::cli {
+namespace {
+
+bool is_text(const table::Column& column) {
+  return std::holds_alternative<std::vector<std::string>>(column.values);
+}
+
+surrogate::Input category(const table::Column& column, surrogate::Coding coding) {
+  const auto& values = std::get<std::vector<std::string>>(column.values);
+  const std::set<std::string> levels(values.begin(), values.end());
+  return {.levels = {levels.begin(), levels.end()}, .coding = coding};
+}
+
+surrogate::Input number(const table::Table& table, const table::Column& column, bool log) {
+  const auto values = table.numbers(column.name);
+  surrogate::Input input{.lower = *std::min_element(values.begin(), values.end()),
+                         .upper = *std::max_element(values.begin(), values.end())};
+  if (column.range)
+    input = {
+        .lower = column.range->lower, .upper = column.range->upper, .scale = column.range->scale};
+  if (log) input.scale = Scale::log;
+  if (!(input.lower < input.upper))
+    throw InputError(
+        fmt::format("column {} is {} in every row: nothing can be learnt from it; leave it out by "
+                    "naming the others with --input",
+                    column.name, shortest(input.lower)));
+  return input;
+}
+
+Vector level_numbers(const table::Table& table, const std::string& name,
+                     const surrogate::Input& input) {
+  const auto& values = table.texts(name);
+  Vector numbers(static_cast<Eigen::Index>(values.size()));
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto found = std::find(input.levels.begin(), input.levels.end(), values[i]);
+    if (found == input.levels.end())
+      throw InputError(fmt::format("row {}, column {}: '{}' is no level; the model knows {}", i + 1,
+                                   name, values[i], fmt::join(input.levels, ", ")));
+    numbers[static_cast<Eigen::Index>(i)] = static_cast<double>(found - input.levels.begin());
+  }
+  return numbers;
+}
+
+}  // namespace
+
+std::vector<surrogate::Input> inputs_from_columns(const table::Table& table,
+                                                  const std::vector<std::string>& names,
+                                                  const std::vector<std::string>& log_names,
+                                                  surrogate::Coding coding) {
+  for (const auto& log : log_names)
+    if (std::find(names.begin(), names.end(), log) == names.end())
+      throw InputError(fmt::format("--log names {}, which is no input; these are {}", log,
+                                   fmt::join(names, ", ")));
+  std::vector<surrogate::Input> inputs;
+  for (const auto& name : names) {
+    const auto& column = table.column(name);
+    const bool log = std::find(log_names.begin(), log_names.end(), name) != log_names.end();
+    inputs.push_back(is_text(column) ? category(column, coding) : number(table, column, log));
+  }
+  return inputs;
+}
+
+Matrix input_matrix(const table::Table& table, const std::vector<std::string>& names,
+                    const std::vector<surrogate::Input>& inputs) {
+  Matrix x(static_cast<Eigen::Index>(table.rows()), static_cast<Eigen::Index>(names.size()));
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    auto column = x.col(static_cast<Eigen::Index>(k));
+    if (inputs[k].is_categorical()) {
+      column = level_numbers(table, names[k], inputs[k]);
+      continue;
+    }
+    const bool log = !table.has(names[k]) && names[k].starts_with("ln_");
+    const auto values = table.numbers(log ? names[k].substr(3) : names[k]);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      column[static_cast<Eigen::Index>(i)] = log ? std::log(values[i]) : values[i];
+  }
+  return x;
+}
+
+std::vector<Eigen::Index> groups_from_column(const table::Table& table, const std::string& name) {
+  std::vector<std::string> labels;
+  if (is_text(table.column(name)))
+    labels = table.texts(name);
+  else
+    for (const double value : table.numbers(name)) labels.push_back(shortest(value));
+  std::map<std::string, Eigen::Index> numbers;
+  std::vector<Eigen::Index> groups;
+  for (const auto& label : labels)
+    groups.push_back(
+        numbers.try_emplace(label, static_cast<Eigen::Index>(numbers.size())).first->second);
+  if (numbers.size() < 2)
+    throw InputError(
+        fmt::format("column {} has one value in all rows; leaving a group out needs two", name));
+  return groups;
+}
+
+}  // namespace repose::cli

@@ -1,0 +1,27 @@
+// Columns of tables as inputs of surrogates.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "repose/surrogate/model_file.hpp"
+#include "repose/table/table.hpp"
+
+namespace repose::cli {
+
+/// What the columns of a table say of themselves: declared ranges and log scales, or the range of
+/// the data; columns of text are categories, their levels in alphabetical order.
+std::vector<surrogate::Input> inputs_from_columns(const table::Table& table,
+                                                  const std::vector<std::string>& names,
+                                                  const std::vector<std::string>& log_names,
+                                                  surrogate::Coding coding);
+
+/// rows x d values of the inputs, levels as their numbers. Where the table has no column ln_NAME,
+/// it is the logarithm of NAME. Throws InputError on a level the model does not know.
+Matrix input_matrix(const table::Table& table, const std::vector<std::string>& names,
+                    const std::vector<surrogate::Input>& inputs);
+
+/// Numbers of the groups that a column (text or numbers) divides the rows into.
+std::vector<Eigen::Index> groups_from_column(const table::Table& table, const std::string& name);
+
+}  // namespace repose::cli
