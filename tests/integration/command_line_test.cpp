@@ -40,7 +40,7 @@ TEST(CommandLine, EveryCommandHasHelpWithAnExample) {
   const Workbench bench;
   for (const char* command :
        {"", "calibrate", "simulate", "design dsd", "design lhs", "design check", "screen",
-        "variance", "fit", "predict", "table show"}) {
+        "variance", "fit", "predict", "sensitivity", "table show"}) {
     const auto said = bench.run("repose", std::string(command) + " --help");
     EXPECT_EQ(said.code, 0) << command;
     EXPECT_NE(said.out.find("Example: repose"), std::string::npos) << command;

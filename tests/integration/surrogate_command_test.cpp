@@ -111,6 +111,28 @@ TEST(PredictCommand, GivesGradientsFlagsAndRefusesUnknownLevels) {
   EXPECT_NE(refused.err.find("torus"), std::string::npos);
 }
 
+TEST(SensitivityCommand, TellsTheSharesAndWritesBothTables) {
+  const Workbench bench;
+  bench.write("runs.csv", runs());
+  fitted(bench, "--response angle_deg --input young_pa,mu_s,shape --log young_pa");
+  const auto said = bench.run("repose", "sensitivity m.h5 --points 256 --draws 50 -o s.h5 --json");
+  ASSERT_EQ(said.code, 0) << said.err;
+  const json s = json::parse(said.out).at("inputs");
+  ASSERT_EQ(s.size(), 3u);
+  EXPECT_EQ(s[1].at("name"), "mu_s");
+  EXPECT_GT(s[1].at("total").at("value"), s[0].at("total").at("value"));
+  double sum = 0.0;
+  for (const auto& input : s) {
+    EXPECT_LE(input.at("first").at("lower"), input.at("first").at("value"));
+    sum += input.at("first").at("value").get<double>();
+  }
+  EXPECT_NEAR(sum, 1.0, 0.1);  // additive by construction
+  EXPECT_EQ(s[2].at("partial_dependence").at("x"), (json{0.0, 1.0, 2.0}));
+  EXPECT_EQ(bench.run("repose", "table show s.h5:/sobol").code, 0);
+  EXPECT_EQ(bench.run("repose", "table show s.h5:/partial_dependence").code, 0);
+  EXPECT_EQ(bench.run("repose", "sensitivity nothing.h5").code, 6);
+}
+
 TEST(ModelFile, IsReadByH5py) {
   if (std::system("/usr/bin/python3 -c 'import h5py' 2>/dev/null") != 0)
     GTEST_SKIP() << "no h5py here";

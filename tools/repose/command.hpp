@@ -31,6 +31,7 @@ void add_design_check(CLI::App& design);
 void add_fit(CLI::App& app);
 void add_predict(CLI::App& app);
 void add_screen(CLI::App& app);
+void add_sensitivity(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_table(CLI::App& app);
 /// import and export, below `repose table`.

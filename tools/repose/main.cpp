@@ -32,6 +32,7 @@ int run(int argc, char** argv) {
   add_variance(app);
   add_fit(app);
   add_predict(app);
+  add_sensitivity(app);
   add_table(app);
   try {
     app.parse(argc, argv);
