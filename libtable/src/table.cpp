@@ -65,6 +65,12 @@ Role role_from_name(std::string_view name) {
 }
 
 Column factor_column(const Parameter& parameter, std::vector<double> values) {
+  if (parameter.kind == ParameterKind::categorical) {
+    std::vector<std::string> names;
+    for (const double value : values)
+      names.push_back(parameter.categories.at(static_cast<std::size_t>(value)));
+    return Column{.name = parameter.name, .role = Role::factor, .values = std::move(names)};
+  }
   return Column{.name = parameter.name,
                 .unit = parameter.unit,
                 .role = Role::factor,

@@ -111,12 +111,9 @@ double coded(const DesignFactor& f, double value) {
 
 ParameterSpace read_factors(const std::string& file) {
   const auto root = TomlTable::read_file(file);
-  const auto table = root.table("parameters");
-  std::vector<Parameter> parameters;
-  for (const auto& name : table.keys()) parameters.push_back(read_parameter(table, name));
+  auto space = read_parameter_space(root);
   root.refuse_unknown_keys();
-  if (parameters.empty()) table.fail("", "there are no parameters; give at least one");
-  return ParameterSpace(std::move(parameters));
+  return space;
 }
 
 void add_factor_options(CLI::App& command, FactorOptions& options) {

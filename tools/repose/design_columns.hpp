@@ -10,7 +10,8 @@
 
 namespace repose::cli {
 
-/// A factors file: [parameters] with a table NAME = {lower, upper, scale, unit} each.
+/// A factors file: [parameters] and, if wanted, [fixed], [ties] and [constraints], as
+/// read_parameter_space() takes them.
 ParameterSpace read_factors(const std::string& file);
 
 struct FactorOptions {

@@ -72,6 +72,10 @@ ParameterSpace read_space(const TomlTable& root, const std::vector<std::string>&
     check_name(parameters, name, kpis);
     check_known(parameters, name, known, sources);
     free.push_back(read_parameter(parameters, name));
+    if (free.back().kind != ParameterKind::continuous)
+      parameters.fail(name,
+                      "a study calibrates continuous parameters; give it lower and upper, or "
+                      "fix it");
   }
   if (free.size() < kFewestFactors || free.size() > kMostFactors)
     parameters.fail("", fmt::format("there are {} parameters; a screening needs {} to {}",

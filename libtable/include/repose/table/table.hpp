@@ -43,7 +43,8 @@ struct Column {
   Values values = {};
 };
 
-/// A column of doubles that holds `values` of a parameter, with its unit and range; role factor.
+/// A column that holds `values` of a parameter, with the role factor: numbers with unit and range,
+/// or the names of a categorical one.
 Column factor_column(const Parameter& parameter, std::vector<double> values);
 
 /// What a file can say about a table or a group as a whole.
