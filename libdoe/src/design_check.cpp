@@ -134,6 +134,37 @@ void list_problems(const Matrix& coded, DesignCheck& check) {
         "main effects are aliased with second-order effects, by up to {:.3g}", check.alias_max));
 }
 
+/// Factors that are never at the middle, in a design where others are.
+std::vector<int> two_level_factors(const Matrix& coded) {
+  std::vector<int> factors;
+  for (int j = 0; j < coded.cols(); ++j)
+    if (coded.col(j).cwiseAbs().minCoeff() > kSameLevel) factors.push_back(j);
+  if (static_cast<Eigen::Index>(factors.size()) == coded.cols()) factors.clear();
+  return factors;
+}
+
+/// Fold-over structure in which a run with every three-level factor at the middle is a centre run.
+FoldOver structure_of(const Matrix& coded, const std::vector<int>& two_level) {
+  const FoldOver found = find_fold_over(coded);
+  if (two_level.empty()) return found;
+  const auto is_centre = [&](int run) {
+    Vector row = coded.row(run).transpose();
+    for (const int factor : two_level) row[factor] = 0.0;
+    return row.cwiseAbs().maxCoeff() <= kSameLevel;
+  };
+  FoldOver result;
+  for (const auto& pair : found.pairs) {
+    if (is_centre(pair.first))
+      result.centre_runs.insert(result.centre_runs.end(), {pair.first, pair.second});
+    else
+      result.pairs.push_back(pair);
+  }
+  for (const int run : found.orphans)
+    (is_centre(run) ? result.centre_runs : result.orphans).push_back(run);
+  std::sort(result.centre_runs.begin(), result.centre_runs.end());
+  return result;
+}
+
 }  // namespace
 
 FoldOver find_fold_over(const Matrix& coded) {
@@ -163,8 +194,9 @@ FoldOver find_fold_over(const Matrix& coded) {
 
 DesignCheck check_design(const Matrix& coded) {
   check_matrix(coded);
-  FoldOver fold_over = find_fold_over(coded);
   DesignCheck check;
+  check.two_level_factors = two_level_factors(coded);
+  FoldOver fold_over = structure_of(coded, check.two_level_factors);
   check.runs = static_cast<int>(coded.rows());
   check.factors = static_cast<int>(coded.cols());
   check.pairs = std::move(fold_over.pairs);
@@ -183,11 +215,16 @@ DesignCheck check_design(const Matrix& coded) {
 
 Matrix missing_runs(const Matrix& coded) {
   check_matrix(coded);
-  const FoldOver fold_over = find_fold_over(coded);
-  const auto mirrored = static_cast<Eigen::Index>(fold_over.orphans.size());
-  Matrix runs = Matrix::Zero(mirrored + (fold_over.centre_runs.empty() ? 1 : 0), coded.cols());
+  const std::vector<int> two_level = two_level_factors(coded);
+  const std::vector<int> orphans = find_fold_over(coded).orphans;
+  const bool centred = !structure_of(coded, two_level).centre_runs.empty();
+  const auto mirrored = static_cast<Eigen::Index>(orphans.size());
+  const Eigen::Index centres = centred ? 0 : (two_level.empty() ? 1 : 2);
+  Matrix runs = Matrix::Zero(mirrored + centres, coded.cols());
   for (Eigen::Index i = 0; i < mirrored; ++i)
-    runs.row(i) = -coded.row(fold_over.orphans[static_cast<std::size_t>(i)]);
+    runs.row(i) = -coded.row(orphans[static_cast<std::size_t>(i)]);
+  for (Eigen::Index i = 0; i < centres; ++i)
+    for (const int factor : two_level) runs(mirrored + i, factor) = i == 0 ? -1.0 : 1.0;
   runs.array() += 0.0;  // no negative zeros
   return runs;
 }

@@ -6,14 +6,19 @@
 #include <numeric>
 #include <utility>
 
+#include "point_filter.hpp"
 #include "repose/base/error.hpp"
 #include "repose/base/random.hpp"
-#include "repose/doe/designs.hpp"
+#include "repose/doe/space_filling.hpp"
 
 namespace repose::doe {
 namespace {
 
+using Criterion = LatinHypercubeOptions::Criterion;
+
 constexpr int kMostMaximinPoints = 4000;  // 128 MB of distances
+constexpr int kMostThinnedPoints = 1000;  // chosen from twice as many in seconds
+constexpr Eigen::Index kMostCoordinates = 50'000'000;
 
 /// A value strictly inside cell `cell` of `cells`. The offset is a multiple of 2^-21, so that cell
 /// + offset is exact and neither the division nor a multiplication by `cells` can leave the cell.
@@ -147,6 +152,69 @@ Matrix uncorrelated_hypercube(Matrix x, int iterations, RandomStream& random) {
   return x;
 }
 
+Matrix hypercube(int points, int dimensions, const LatinHypercubeOptions& options,
+                 Criterion criterion) {
+  RandomStream random(options.seed);
+  Matrix x = plain_hypercube(points, dimensions, random);
+  if (points == 1) return x;
+  switch (criterion) {
+    case Criterion::plain:
+      return x;
+    case Criterion::maximin:
+      return maximin_hypercube(std::move(x), options.iterations, random);
+    case Criterion::correlation:
+      return uncorrelated_hypercube(std::move(x), options.iterations, random);
+  }
+  return x;
+}
+
+/// `points` rows of x; while there are more, the closest two lose the one with the nearer third.
+Matrix thinned(Matrix x, Eigen::Index points) {
+  Matrix squared(x.rows(), x.rows());
+  for (Eigen::Index j = 0; j < x.rows(); ++j) {
+    squared.col(j) = (x.rowwise() - x.row(j)).rowwise().squaredNorm();
+    squared(j, j) = std::numeric_limits<double>::infinity();
+  }
+  Eigen::Index n = x.rows();
+  for (; n > points; --n) {
+    auto left = squared.topLeftCorner(n, n);
+    Eigen::Index one = 0, other = 0;
+    left.minCoeff(&one, &other);
+    left(one, other) = left(other, one) = std::numeric_limits<double>::infinity();
+    const auto leaving = left.col(one).minCoeff() <= left.col(other).minCoeff() ? one : other;
+    x.row(leaving) = x.row(n - 1);
+    left.row(leaving) = left.row(n - 1).eval();
+    left.col(leaving) = left.col(n - 1).eval();
+    left(leaving, leaving) = std::numeric_limits<double>::infinity();
+  }
+  return x.topRows(n);
+}
+
+/// The allowed points of plain hypercubes that grow until there are enough; twice as many to choose
+/// from where distance counts.
+Matrix allowed_hypercube(int points, int dimensions, const LatinHypercubeOptions& options) {
+  const bool thin = options.criterion == Criterion::maximin && points <= kMostThinnedPoints;
+  const Eigen::Index wanted = thin ? 2 * points : points;
+  Eigen::Index total = wanted, tried = 0, found = 0;
+  while (true) {
+    if (total * dimensions > kMostCoordinates)
+      throw InputError(
+          fmt::format("Latin hypercube: {} points that obey the constraints need one of {} points; "
+                      "take fewer, or a Sobol' sequence",
+                      points, total));
+    RandomStream random(options.seed);
+    const Matrix x =
+        allowed_rows(plain_hypercube(static_cast<int>(total), dimensions, random), options.allowed);
+    if (x.rows() >= wanted) return thin ? thinned(x, points) : x.topRows(points);
+    tried += total;
+    found += x.rows();
+    require_some_allowed(found, tried);
+    const double share = std::max(0.5, static_cast<double>(x.rows())) / static_cast<double>(total);
+    total =
+        std::max(total + 1, static_cast<Eigen::Index>(1.05 * static_cast<double>(wanted) / share));
+  }
+}
+
 }  // namespace
 
 Matrix latin_hypercube(int points, int dimensions, const LatinHypercubeOptions& options) {
@@ -157,23 +225,14 @@ Matrix latin_hypercube(int points, int dimensions, const LatinHypercubeOptions& 
   if (options.iterations < 0)
     throw InputError(
         fmt::format("Latin hypercube: {} iterations; 0 or more are possible", options.iterations));
-  if (options.criterion == LatinHypercubeOptions::Criterion::maximin && points > kMostMaximinPoints)
+  if (options.criterion == Criterion::maximin && points > kMostMaximinPoints)
     throw InputError(
         fmt::format("Latin hypercube: {} points by maximin; {} are possible, any number by the "
                     "plain and the correlation criterion",
                     points, kMostMaximinPoints));
-  RandomStream random(options.seed);
-  Matrix x = plain_hypercube(points, dimensions, random);
-  if (points == 1) return x;
-  switch (options.criterion) {
-    case LatinHypercubeOptions::Criterion::plain:
-      return x;
-    case LatinHypercubeOptions::Criterion::maximin:
-      return maximin_hypercube(std::move(x), options.iterations, random);
-    case LatinHypercubeOptions::Criterion::correlation:
-      return uncorrelated_hypercube(std::move(x), options.iterations, random);
-  }
-  return x;
+  const Matrix x = hypercube(points, dimensions, options, options.criterion);
+  if (!options.allowed || allowed_rows(x, options.allowed).rows() == points) return x;
+  return allowed_hypercube(points, dimensions, options);
 }
 
 }  // namespace repose::doe

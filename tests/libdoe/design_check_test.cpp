@@ -187,5 +187,20 @@ TEST(HalfNormalQuantiles, AreWhereTheNormalDistributionHasTheirProbability) {
   EXPECT_THROW(half_normal_quantiles(-1), InputError);
 }
 
+TEST(DesignCheck, RepairsADesignWithTwoLevelFactorsByMirroredCentreRuns) {
+  const Design design = definitive_screening_design(
+      7, {.two_level_factors = {2, 5}, .run_order = RunOrder::structured});
+  const Matrix damaged = design.coded.topRows(design.coded.rows() - 3);  // a mirror image and both
+  const DesignCheck check = check_design(damaged);
+  EXPECT_FALSE(check.is_definitive_screening());
+  EXPECT_EQ(check.two_level_factors, (std::vector<int>{2, 5}));
+  const Matrix added = missing_runs(damaged);
+  ASSERT_EQ(added.rows(), 3);
+  EXPECT_EQ(added.row(0), design.coded.row(design.coded.rows() - 3));
+  Matrix repaired(damaged.rows() + 3, damaged.cols());
+  repaired << damaged, added;
+  EXPECT_TRUE(check_design(repaired).is_definitive_screening());
+}
+
 }  // namespace
 }  // namespace repose::doe

@@ -1,6 +1,8 @@
 // Conference matrices and definitive screening designs, in integers.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <map>
 #include <set>
 
 #include "repose/base/error.hpp"
@@ -96,29 +98,117 @@ int expected_order(int factors, int fake) {
 }
 
 TEST(DefinitiveScreeningDesign, SeparatesMainEffectsFromEachOtherAndFromSecondOrderOnes) {
-  for (int factors = 3; factors <= 15; ++factors)
-    for (const int fake : {0, 2})
-      for (const int centre : {1, 3}) {
-        SCOPED_TRACE(testing::Message() << factors << " factors, " << fake << " fake, " << centre);
-        const Design design =
-            definitive_screening_design(factors, {.fake_factors = fake, .centre_runs = centre});
-        const int order = expected_order(factors, fake);
-        expect_definitive(design.coded, 2 * order + centre, order);
-        const DesignCheck check = check_design(design.coded);
-        EXPECT_TRUE(check.is_definitive_screening());
-        EXPECT_TRUE(check.is_orthogonal());
-        EXPECT_EQ(check.alias_max, 0.0);
-        EXPECT_EQ(static_cast<int>(check.pairs.size()), order);
-        EXPECT_EQ(static_cast<int>(check.centre_runs.size()), centre);
-      }
+  for (int factors = 3; factors <= 50; ++factors)
+    for (const int fake : {0, 2}) {
+      SCOPED_TRACE(testing::Message() << factors << " factors, " << fake << " fake");
+      const int order = expected_order(factors, fake);
+      for (const int centre : {1, 3})
+        expect_definitive(
+            definitive_screening_design(factors, {.fake_factors = fake, .centre_runs = centre})
+                .coded,
+            2 * order + centre, order);
+    }
 }
 
-TEST(DefinitiveScreeningDesign, KeepsItsPropertiesForManyFactors) {
-  for (const int factors : {16, 21, 22, 25, 33, 35, 39, 45, 50}) {
-    SCOPED_TRACE(factors);
-    const int order = expected_order(factors, 2);
-    expect_definitive(definitive_screening_design(factors).coded, 2 * order + 1, order);
-  }
+TEST(DefinitiveScreeningDesign, PassesTheCheckOfDesigns) {
+  for (int factors = 3; factors <= 15; ++factors)
+    for (const int fake : {0, 2}) {
+      const DesignCheck check = check_design(
+          definitive_screening_design(factors, {.fake_factors = fake, .centre_runs = 2}).coded);
+      EXPECT_TRUE(check.is_definitive_screening());
+      EXPECT_TRUE(check.is_orthogonal());
+      EXPECT_EQ(check.alias_max, 0.0);
+      EXPECT_EQ(static_cast<int>(check.pairs.size()), expected_order(factors, fake));
+      EXPECT_EQ(check.centre_runs.size(), 2u);
+      EXPECT_TRUE(check.two_level_factors.empty());
+    }
+}
+
+TEST(DefinitiveScreeningDesign, KeepsPairsInOneBlockAndBlocksOrthogonalToMainEffects) {
+  using BlockCentres = DefinitiveScreeningOptions::BlockCentres;
+  for (const int factors : {3, 6, 12, 15, 21, 50})
+    for (const int blocks : {2, 3, factors})
+      for (const auto centres : {BlockCentres::each_block, BlockCentres::first_block})
+        for (const bool two_level : {false, true}) {
+          SCOPED_TRACE(testing::Message() << factors << " factors, " << blocks << " blocks");
+          DefinitiveScreeningOptions options{.blocks = blocks, .block_centres = centres};
+          if (two_level) options.two_level_factors = {0, factors - 1};
+          const Design design = definitive_screening_design(factors, options);
+          Matrix sums = Matrix::Zero(blocks, factors);
+          std::vector<int> runs(static_cast<std::size_t>(blocks), 0);
+          std::vector<int> centre_runs = runs;
+          std::map<int, std::set<int>> blocks_of_pair;
+          for (std::size_t i = 0; i < design.block.size(); ++i) {
+            const auto block = static_cast<std::size_t>(design.block[i] - 1);
+            sums.row(design.block[i] - 1) += design.coded.row(static_cast<Eigen::Index>(i));
+            ++runs.at(block);
+            if (design.pair_id[i] == 0) ++centre_runs[block];
+            if (design.pair_id[i] > 0) blocks_of_pair[design.pair_id[i]].insert(design.block[i]);
+          }
+          EXPECT_TRUE(sums.isZero(0.0));
+          for (const auto& [pair, of] : blocks_of_pair) EXPECT_EQ(of.size(), 1u);
+          const int per_set = two_level ? 2 : 1;
+          for (std::size_t b = 0; b < runs.size(); ++b)
+            EXPECT_EQ(centre_runs[b], b == 0 || centres == BlockCentres::each_block ? per_set : 0);
+          const auto [least, most] = std::minmax_element(runs.begin(), runs.end());
+          EXPECT_LE(*most - *least, 2 + per_set);
+          EXPECT_TRUE(std::is_sorted(design.block.begin(), design.block.end()));
+        }
+}
+
+TEST(DefinitiveScreeningDesign, FoldsTwoLevelFactorsOverWithSmallInnerProducts) {
+  for (int factors = 3; factors <= 24; ++factors)
+    for (int two_level = 1; two_level <= std::min(6, factors - 1); ++two_level) {
+      SCOPED_TRACE(testing::Message() << factors << " factors, " << two_level << " two-level");
+      DefinitiveScreeningOptions options{};
+      for (int j = 0; j < two_level; ++j)
+        options.two_level_factors.push_back(factors - 1 - j);  // any columns
+      const MatrixXi x = definitive_screening_design(factors, options).coded.cast<int>();
+      const int order = expected_order(factors, 2);
+      EXPECT_EQ(x.rows(), 2 * order + 2);
+      EXPECT_TRUE((x.rightCols(two_level).array().abs() == 1).all());
+      EXPECT_TRUE((x.colwise().sum().array() == 0).all());
+      for (const Term& term : candidate_terms(factors, CandidateTerms::main_and_second_order)) {
+        if (term.kind == Term::Kind::main_effect) continue;
+        const Eigen::VectorXi column = term_column(x.cast<double>(), term).cast<int>();
+        EXPECT_TRUE(((x.transpose() * column).array() == 0).all());
+      }
+      MatrixXi gram = x.transpose() * x;
+      EXPECT_TRUE((gram.topLeftCorner(factors - two_level, factors - two_level) -
+                   2 * (order - 1) * MatrixXi::Identity(factors - two_level, factors - two_level))
+                      .isZero());
+      gram.diagonal().setZero();
+      EXPECT_LE(gram.topRightCorner(factors - two_level, two_level).cwiseAbs().maxCoeff(), 2);
+      EXPECT_LE(gram.cwiseAbs().maxCoeff(), 6);  // the bound of any choice of signs
+      const DesignCheck check = check_design(x.cast<double>());
+      EXPECT_TRUE(check.is_definitive_screening());
+      EXPECT_EQ(static_cast<int>(check.two_level_factors.size()), two_level);
+      // Where one factor alone has a middle, the pair of its zeros are centre runs as well.
+      EXPECT_EQ(check.centre_runs.size(), factors - two_level == 1 ? 4u : 2u);
+    }
+}
+
+TEST(DefinitiveScreeningDesign, KeepsTwoLevelFactorsOrthogonalIfAsked) {
+  using Rule = DefinitiveScreeningOptions::TwoLevelRule;
+  for (int factors = 3; factors <= 24; ++factors)
+    for (int two_level = 1; two_level <= std::min(4, factors - 1); ++two_level) {
+      DefinitiveScreeningOptions options{.two_level_rule = Rule::orthogonal};
+      for (int j = 0; j < two_level; ++j) options.two_level_factors.push_back(j);
+      const MatrixXi x = definitive_screening_design(factors, options).coded.cast<int>();
+      EXPECT_EQ(x.rows(), 2 * expected_order(factors, 2) + 4);
+      EXPECT_TRUE((x.colwise().sum().array() == 0).all());
+      const MatrixXi gram = x.transpose() * x;
+      const MatrixXi diagonal = gram.diagonal().asDiagonal();
+      EXPECT_EQ(gram, diagonal) << factors << ' ' << two_level;
+      int worst = 0;
+      for (const Term& term : candidate_terms(factors, CandidateTerms::main_and_second_order)) {
+        if (term.kind != Term::Kind::interaction) continue;
+        const Eigen::VectorXi column = term_column(x.cast<double>(), term).cast<int>();
+        worst = std::max(worst, (x.transpose() * column).cwiseAbs().maxCoeff());
+      }
+      // Pairs give 2 for each two-level factor of the three, centre runs 2 if all three are.
+      EXPECT_LE(worst, two_level >= 3 ? 8 : 4);
+    }
 }
 
 TEST(DefinitiveScreeningDesign, HasTheRunCountsOfTheLiterature) {
@@ -162,6 +252,17 @@ TEST(DefinitiveScreeningDesign, RefusesOptionsOutOfRange) {
   EXPECT_THROW(definitive_screening_design(101), InputError);
   EXPECT_THROW(definitive_screening_design(6, {.fake_factors = -1}), InputError);
   EXPECT_THROW(definitive_screening_design(6, {.centre_runs = 0}), InputError);
+  EXPECT_THROW(definitive_screening_design(6, {.blocks = 7}), InputError);
+  EXPECT_THROW(definitive_screening_design(6, {.two_level_factors = {6}}), InputError);
+  EXPECT_THROW(definitive_screening_design(6, {.two_level_factors = {1, 1}}), InputError);
+  EXPECT_THROW(definitive_screening_design(3, {.two_level_factors = {0, 1, 2}}), InputError);
+  using Rule = DefinitiveScreeningOptions::TwoLevelRule;
+  EXPECT_THROW(definitive_screening_design(
+                   9, {.two_level_factors = {0, 1, 2, 3, 4}, .two_level_rule = Rule::orthogonal}),
+               InputError);
+  EXPECT_THROW(definitive_screening_design(
+                   9, {.two_level_factors = {0}, .two_level_rule = Rule::orthogonal, .blocks = 2}),
+               InputError);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "command.hpp"
 #include "design_columns.hpp"
 #include "repose/doe/designs.hpp"
+#include "repose/doe/space_filling.hpp"
 #include "repose/table/io.hpp"
 
 namespace repose::cli {

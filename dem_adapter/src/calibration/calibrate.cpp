@@ -9,7 +9,7 @@
 #include "repose/base/random.hpp"
 #include "repose/base/text.hpp"
 #include "repose/dem_adapter/calibration.hpp"
-#include "repose/doe/designs.hpp"
+#include "repose/doe/space_filling.hpp"
 #include "repose/table/io.hpp"
 
 namespace repose::dem_adapter {

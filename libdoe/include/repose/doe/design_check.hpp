@@ -23,12 +23,14 @@ struct DesignCheck {
   int runs = 0;
   int factors = 0;
   std::vector<std::pair<int, int>> pairs;  ///< mirror images of each other, the lower run first
-  std::vector<int> centre_runs;            ///< all factors at 0
-  std::vector<int> orphans;                ///< neither centre runs nor with a mirror image
-  double column_sum_max = 0.0;             ///< largest |sum of a column|
-  double gram_offdiagonal_max = 0.0;       ///< largest |X^T X| between two main effects
-  Matrix correlation;                      ///< of the main effects, factors x factors; diagonal 1
-  double correlation_max = 0.0;            ///< largest |correlation| of two main effects
+  /// Never at 0 while others are; what is said of levels below leaves them out.
+  std::vector<int> two_level_factors;
+  std::vector<int> centre_runs;       ///< all factors at 0
+  std::vector<int> orphans;           ///< neither centre runs nor with a mirror image
+  double column_sum_max = 0.0;        ///< largest |sum of a column|
+  double gram_offdiagonal_max = 0.0;  ///< largest |X^T X| between two main effects
+  Matrix correlation;                 ///< of the main effects, factors x factors; diagonal 1
+  double correlation_max = 0.0;       ///< largest |correlation| of two main effects
   /// Entries of the alias matrix (X^T X)^-1 X^T Z, Z the second-order columns, in the rows of main
   /// effects that are not 0; the largest first. Empty if X has not full rank.
   std::vector<Alias> aliases;
@@ -61,7 +63,8 @@ struct DesignCheck {
 DesignCheck check_design(const Matrix& coded);
 
 /// The runs a design lacks: the mirror image of each run that has none, in the order of those runs,
-/// and a centre run if there is none. No rows if nothing is missing. Appended, they separate main
+/// and a centre run if there is none (two mirrored ones if there are two-level factors). No rows if
+/// nothing is missing. Appended, they separate main
 /// effects from all second-order effects. Throws InputError as check_design().
 Matrix missing_runs(const Matrix& coded);
 
