@@ -5,19 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <utility>
 
+#include "population.hpp"
 #include "repose/base/error.hpp"
 #include "repose/base/random.hpp"
 
 namespace repose::opt {
 namespace {
-
-/// Genomes are rows in the unit cube, sorted by value, best first.
-struct Population {
-  Matrix genomes;
-  Vector values;
-};
 
 void check(const GeneticOptions& o) {
   const auto fraction = [](double p, const char* name) {
@@ -46,33 +41,9 @@ Eigen::Index elite_count(const GeneticOptions& o) {
       o.population - 2, static_cast<Eigen::Index>(std::ceil(o.elite_fraction * o.population)));
 }
 
-Matrix natural(const Matrix& genomes, const Bounds& bounds) {
-  Matrix x = genomes;
-  for (Eigen::Index k = 0; k < x.cols(); ++k)
-    x.col(k) = (bounds.lower[k] + x.col(k).array() * (bounds.upper[k] - bounds.lower[k]))
-                   .max(bounds.lower[k])
-                   .min(bounds.upper[k]);
-  return x;
-}
-
-Vector evaluate(const BatchObjective& objective, const Matrix& genomes, const Bounds& bounds) {
-  Vector values = objective(natural(genomes, bounds));
-  if (values.size() != genomes.rows())
-    throw InputError(fmt::format("a batch objective returned {} values for {} points",
-                                 values.size(), genomes.rows()));
-  for (double& v : values)
-    if (!std::isfinite(v)) v = std::numeric_limits<double>::infinity();
-  return values;
-}
-
-void sort_by_value(Population& p) {
-  std::vector<Eigen::Index> order(static_cast<std::size_t>(p.values.size()));
-  std::iota(order.begin(), order.end(), Eigen::Index{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](Eigen::Index a, Eigen::Index b) { return p.values[a] < p.values[b]; });
-  const Matrix genomes = p.genomes(order, Eigen::all);
-  const Vector values = p.values(order);
-  p = {genomes, values};
+Population sorted(const Population& p) {
+  const std::vector<Eigen::Index> order = ranking(p);
+  return {p.genomes(order, Eigen::all), p.values(order), p.violations(order)};
 }
 
 /// The best of `size` random individuals; of a sorted population that is the smallest index.
@@ -83,8 +54,28 @@ Eigen::Index tournament(const Population& p, int size, RandomStream& random) {
   return static_cast<Eigen::Index>(winner);
 }
 
+/// Parents of a sorted population, as many as asked for.
+std::vector<Eigen::Index> parents(const Population& p, Eigen::Index count, const GeneticOptions& o,
+                                  RandomStream& random) {
+  std::vector<Eigen::Index> chosen;
+  if (o.selection == Selection::tournament) {
+    for (Eigen::Index i = 0; i < count; ++i) chosen.push_back(tournament(p, o.tournament, random));
+    return chosen;
+  }
+  double total = 0.0;
+  for (Eigen::Index i = 0; i < p.values.size(); ++i) total += 1.0 / std::sqrt(i + 1.0);
+  const double spacing = total / static_cast<double>(count);
+  double pointer = spacing * random.uniform(), passed = 1.0;
+  for (Eigen::Index i = 0; static_cast<Eigen::Index>(chosen.size()) < count; pointer += spacing) {
+    while (passed < pointer && i + 1 < p.values.size()) passed += 1.0 / std::sqrt(++i + 1.0);
+    chosen.push_back(i);
+  }
+  random.shuffle(chosen);
+  return chosen;
+}
+
 /// Simulated binary crossover of one coordinate [Deb1995]: children keep the parents' mean.
-void cross(double& a, double& b, double index, RandomStream& random) {
+void cross_near(double& a, double& b, double index, RandomStream& random) {
   const double u = random.uniform();
   const double exponent = 1.0 / (index + 1.0);
   const double spread =
@@ -95,8 +86,29 @@ void cross(double& a, double& b, double index, RandomStream& random) {
   b = std::clamp(mean - half, 0.0, 1.0);
 }
 
+/// BLX-0.5 [Eshelman1993].
+void blend(double& a, double& b, RandomStream& random) {
+  const double low = std::min(a, b), high = std::max(a, b), half = 0.5 * (high - low);
+  for (double* child : {&a, &b})
+    *child = std::clamp(random.uniform(low - half, high + half), 0.0, 1.0);
+}
+
+/// Of two parents that are to be crossed.
+void cross(Vector& a, Vector& b, const GeneticOptions& o, RandomStream& random) {
+  for (Eigen::Index k = 0; k < a.size(); ++k) {
+    if (o.crossover == Crossover::blend) {
+      blend(a[k], b[k], random);
+    } else if (random.uniform() < 0.5) {
+      if (o.crossover == Crossover::scattered)
+        std::swap(a[k], b[k]);
+      else
+        cross_near(a[k], b[k], o.crossover_index, random);
+    }
+  }
+}
+
 /// Polynomial mutation of a coordinate in [0, 1] that cannot leave it [Deb2002; Deb2014].
-double mutated(double x, double index, RandomStream& random) {
+double mutated_near(double x, double index, RandomStream& random) {
   const double u = random.uniform();
   const double exponent = 1.0 / (index + 1.0);
   if (u < 0.5)
@@ -108,36 +120,51 @@ double mutated(double x, double index, RandomStream& random) {
       x + 1.0 - std::pow(2.0 * (1.0 - u) + (2.0 * u - 1.0) * std::pow(x, index + 1.0), exponent));
 }
 
-/// Children of tournament winners, crossed and mutated, as many as asked for.
-Matrix offspring(const Population& p, Eigen::Index count, const GeneticOptions& o,
+double mutated(double x, const GeneticOptions& o, int generation, RandomStream& random) {
+  switch (o.mutation) {
+    case Mutation::polynomial:
+      return mutated_near(x, o.mutation_index, random);
+    case Mutation::uniform:
+      return random.uniform();
+    case Mutation::gaussian: {
+      const double left = 1.0 - static_cast<double>(generation) / o.max_generations;
+      const double moved = x + 0.1 * left * random.normal();
+      return std::min(1.0, std::abs(std::remainder(moved, 2.0)));  // between mirrors
+    }
+  }
+  return x;
+}
+
+/// Children of the parents, crossed and mutated, as many as asked for.
+Matrix offspring(const Population& p, Eigen::Index count, const GeneticOptions& o, int generation,
                  RandomStream& random) {
   Matrix children(count, p.genomes.cols());
+  const std::vector<Eigen::Index> chosen = parents(p, count + count % 2, o, random);
   for (Eigen::Index i = 0; i < count; i += 2) {
-    Vector a = p.genomes.row(tournament(p, o.tournament, random));
-    Vector b = p.genomes.row(tournament(p, o.tournament, random));
-    if (random.uniform() < o.crossover_probability)
-      for (Eigen::Index k = 0; k < a.size(); ++k)
-        if (random.uniform() < 0.5) cross(a[k], b[k], o.crossover_index, random);
+    Vector a = p.genomes.row(chosen[static_cast<std::size_t>(i)]);
+    Vector b = p.genomes.row(chosen[static_cast<std::size_t>(i) + 1]);
+    if (random.uniform() < o.crossover_probability) cross(a, b, o, random);
     for (Vector* child : {&a, &b})
       for (double& gene : *child)
-        if (random.uniform() < o.mutation_probability)
-          gene = mutated(gene, o.mutation_index, random);
+        if (random.uniform() < o.mutation_probability) gene = mutated(gene, o, generation, random);
     children.row(i) = a;
     if (i + 1 < count) children.row(i + 1) = b;
   }
   return children;
 }
 
-Population next_generation(const BatchObjective& objective, const Bounds& bounds,
-                           const Population& old, const GeneticOptions& o, RandomStream& random) {
+Population next_generation(const BatchObjective& objective, const FeasibleSet& set,
+                           const Population& old, const GeneticOptions& o, RandomStream& random,
+                           EvolutionResult& result) {
   const auto n = static_cast<Eigen::Index>(o.population);
   const Eigen::Index elite = elite_count(o);
-  const Matrix children = offspring(old, n - elite, o, random);
-  Population next{Matrix(n, old.genomes.cols()), Vector(n)};
-  next.genomes << old.genomes.topRows(elite), children;
-  next.values << old.values.head(elite), evaluate(objective, children, bounds);
-  sort_by_value(next);
-  return next;
+  const Population young =
+      evaluated(objective, offspring(old, n - elite, o, result.generations, random), set, result);
+  Population next{Matrix(n, old.genomes.cols()), Vector(n), Vector(n)};
+  next.genomes << old.genomes.topRows(elite), young.genomes;
+  next.values << old.values.head(elite), young.values;
+  next.violations << old.violations.head(elite), young.violations;
+  return sorted(next);
 }
 
 bool has_stalled(const std::vector<double>& best, const GeneticOptions& o) {
@@ -150,28 +177,23 @@ bool has_stalled(const std::vector<double>& best, const GeneticOptions& o) {
 
 }  // namespace
 
-GeneticResult minimize_genetic(const BatchObjective& objective, const Bounds& bounds,
-                               const GeneticOptions& options) {
-  check_bounds(bounds);
+EvolutionResult minimize_genetic(const BatchObjective& objective, const FeasibleSet& set,
+                                 const GeneticOptions& options) {
+  check_feasible_set(set);
   check(options);
   RandomStream random(options.seed);
-  Population p{Matrix(options.population, bounds.lower.size()), {}};
-  for (double& gene : p.genomes.reshaped()) gene = random.uniform();
-  p.values = evaluate(objective, p.genomes, bounds);
-  sort_by_value(p);
-
-  GeneticResult result;
-  result.evaluations = options.population;
-  result.best_by_generation.push_back(p.values[0]);
+  Matrix genomes(options.population, set.bounds.lower.size());
+  for (double& gene : genomes.reshaped()) gene = random.uniform();
+  EvolutionResult result;
+  result.value = std::numeric_limits<double>::infinity();
+  Population p = sorted(evaluated(objective, std::move(genomes), set, result));
+  keep_best(p, set, result);
   while (result.generations < options.max_generations &&
          !has_stalled(result.best_by_generation, options)) {
-    p = next_generation(objective, bounds, p, options, random);
+    p = next_generation(objective, set, p, options, random, result);
     ++result.generations;
-    result.evaluations += options.population - elite_count(options);
-    result.best_by_generation.push_back(p.values[0]);
+    keep_best(p, set, result);
   }
-  result.x = natural(p.genomes.topRows(1), bounds).row(0);
-  result.value = p.values[0];
   if (!std::isfinite(result.value)) {
     result.termination = Termination::failed;
     result.message = fmt::format("no finite value in {} generations", result.generations);

@@ -46,6 +46,15 @@ inline double rastrigin(const Vector& x) {
          (x.array().square() - 10.0 * (2.0 * std::numbers::pi * x.array()).cos()).sum();
 }
 
+/// f evaluated at each row.
+inline BatchObjective by_rows(double (*f)(const Vector&)) {
+  return [f](const Matrix& rows) {
+    Vector values(rows.rows());
+    for (Eigen::Index i = 0; i < rows.rows(); ++i) values[i] = f(rows.row(i));
+    return values;
+  };
+}
+
 inline Benchmark branin_benchmark() {
   return {"branin", branin, {Vector{{-5.0, 0.0}}, Vector{{10.0, 15.0}}}, 0.397887357729738};
 }

@@ -3,19 +3,16 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <tuple>
+
 #include "functions.hpp"
 #include "repose/base/error.hpp"
 
 namespace repose::opt {
 namespace {
 
-BatchObjective by_rows(double (*f)(const Vector&)) {
-  return [f](const Matrix& rows) {
-    Vector values(rows.rows());
-    for (Eigen::Index i = 0; i < rows.rows(); ++i) values[i] = f(rows.row(i));
-    return values;
-  };
-}
+using test::by_rows;
 
 class Genetic : public testing::TestWithParam<test::Benchmark> {};
 
@@ -24,7 +21,7 @@ class Genetic : public testing::TestWithParam<test::Benchmark> {};
 TEST_P(Genetic, FindsTheGlobalMinimumWithItsDefaults) {
   const test::Benchmark b = GetParam();
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
-    const GeneticResult r = minimize_genetic(by_rows(b.value), b.bounds, {.seed = seed});
+    const EvolutionResult r = minimize_genetic(by_rows(b.value), {b.bounds}, {.seed = seed});
     EXPECT_NEAR(r.value, b.minimum, 1e-3) << b.name << ", seed " << seed << ": " << r.message;
     EXPECT_EQ(r.value, b.value(r.x));
     EXPECT_EQ(r.termination, Termination::converged);
@@ -42,13 +39,13 @@ INSTANTIATE_TEST_SUITE_P(Benchmarks, Genetic,
 TEST(Genetic, GivesTheSameBitsForOneSeedAndOthersForAnother) {
   const test::Benchmark b = test::branin_benchmark();
   const GeneticOptions options{.population = 60, .max_generations = 20, .seed = 8};
-  const GeneticResult first = minimize_genetic(by_rows(b.value), b.bounds, options);
-  const GeneticResult second = minimize_genetic(by_rows(b.value), b.bounds, options);
+  const EvolutionResult first = minimize_genetic(by_rows(b.value), {b.bounds}, options);
+  const EvolutionResult second = minimize_genetic(by_rows(b.value), {b.bounds}, options);
   EXPECT_EQ(first.x, second.x);
   EXPECT_EQ(first.best_by_generation, second.best_by_generation);
   GeneticOptions other = options;
   other.seed = 9;
-  EXPECT_NE(first.x, minimize_genetic(by_rows(b.value), b.bounds, other).x);
+  EXPECT_NE(first.x, minimize_genetic(by_rows(b.value), {b.bounds}, other).x);
 }
 
 TEST(Genetic, NeverLeavesTheBoundsAndFindsAMinimumOnThem) {
@@ -59,7 +56,8 @@ TEST(Genetic, NeverLeavesTheBoundsAndFindsAMinimumOnThem) {
         if (rows(i, k) < box.lower[k] || rows(i, k) > box.upper[k]) ADD_FAILURE() << rows.row(i);
     return rows.col(0) - rows.col(1);
   };
-  const GeneticResult r = minimize_genetic(slope, box, {.population = 50, .max_generations = 200});
+  const EvolutionResult r =
+      minimize_genetic(slope, {box}, {.population = 50, .max_generations = 200});
   EXPECT_NEAR(r.value, 3.0, 1e-3);
 }
 
@@ -67,28 +65,96 @@ TEST(Genetic, AvoidsValuesThatAreNotFinite) {
   const BatchObjective holed = [](const Matrix& rows) -> Vector {
     return (rows.col(0).array() < 0.5).select(std::nan(""), rows.col(0).array());
   };
-  const GeneticResult r = minimize_genetic(holed, unit_cube(2), {.population = 50});
+  const EvolutionResult r = minimize_genetic(holed, {unit_cube(2)}, {.population = 50});
   EXPECT_NEAR(r.value, 0.5, 1e-3);
   const BatchObjective nowhere = [](const Matrix& rows) -> Vector {
     return Vector::Constant(rows.rows(), std::nan(""));
   };
   const GeneticOptions brief{.population = 10, .max_generations = 3};
-  EXPECT_EQ(minimize_genetic(nowhere, unit_cube(2), brief).termination, Termination::failed);
+  EXPECT_EQ(minimize_genetic(nowhere, {unit_cube(2)}, brief).termination, Termination::failed);
 }
 
 TEST(Genetic, SaysWhenItsGenerationsAreUsedUp) {
   const test::Benchmark b = test::rastrigin_benchmark();
-  const GeneticResult r = minimize_genetic(by_rows(b.value), b.bounds, {.max_generations = 5});
+  const EvolutionResult r = minimize_genetic(by_rows(b.value), {b.bounds}, {.max_generations = 5});
   EXPECT_EQ(r.termination, Termination::budget);
   EXPECT_EQ(r.generations, 5);
 }
 
+class GeneticOperators : public testing::TestWithParam<std::tuple<Selection, Crossover, Mutation>> {
+};
+
+// Every combination must find the valley floor of Branin to what its mutation can resolve.
+TEST_P(GeneticOperators, FindTheMinimumOfBranin) {
+  const auto [selection, crossover, mutation] = GetParam();
+  const test::Benchmark b = test::branin_benchmark();
+  const EvolutionResult r = minimize_genetic(
+      by_rows(b.value), {b.bounds},
+      {.population = 200, .selection = selection, .crossover = crossover, .mutation = mutation});
+  EXPECT_NEAR(r.value, b.minimum, mutation == Mutation::uniform ? 0.05 : 1e-3) << r.message;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, GeneticOperators,
+    testing::Combine(testing::Values(Selection::tournament, Selection::stochastic_universal),
+                     testing::Values(Crossover::simulated_binary, Crossover::blend,
+                                     Crossover::scattered),
+                     testing::Values(Mutation::polynomial, Mutation::gaussian, Mutation::uniform)));
+
+// x + y >= 1.2 cuts off the minimum of x^2 + 2 y^2: at (0.8, 0.4) the value is 0.96.
+TEST(Genetic, ObeysLinearConstraintsAndAsksForNoPointThatBreaksThem) {
+  const BatchObjective bowl = [](const Matrix& rows) -> Vector {
+    for (Eigen::Index i = 0; i < rows.rows(); ++i)
+      EXPECT_GE(rows.row(i).sum(), 1.2 - 1e-11) << rows.row(i);
+    return rows.col(0).array().square() + 2.0 * rows.col(1).array().square();
+  };
+  const FeasibleSet set{unit_cube(2), {{"sum", Vector{{-1.0, -1.0}}, -1.2}}};
+  const EvolutionResult r = minimize_genetic(bowl, set, {.population = 200});
+  EXPECT_NEAR(r.value, 0.96, 1e-3);
+  EXPECT_LT(r.evaluations, 200 + 190 * std::int64_t{r.generations});
+}
+
+// (x - 2.4)^2 + (n - 3.4)^2 with whole n: n = 3.
+TEST(Genetic, KeepsWholeCoordinatesWhole) {
+  const BatchObjective bowl = [](const Matrix& rows) -> Vector {
+    for (Eigen::Index i = 0; i < rows.rows(); ++i) EXPECT_EQ(rows(i, 1), std::round(rows(i, 1)));
+    return (rows.col(0).array() - 2.4).square() + (rows.col(1).array() - 3.4).square();
+  };
+  const FeasibleSet set{{Vector{{0.0, -4.5}}, Vector{{5.0, 9.5}}}, {}, {1}};
+  const EvolutionResult r = minimize_genetic(bowl, set, {.population = 100});
+  EXPECT_EQ(r.x[1], 3.0);
+  EXPECT_NEAR(r.value, 0.16, 1e-4);
+}
+
+TEST(RepeatedSearch, RunsOneSeedEachOnAnyNumberOfThreads) {
+  const test::Benchmark b = test::hartmann6_benchmark();
+  const auto search = [&](std::uint64_t seed) {
+    return minimize_genetic(by_rows(b.value), {b.bounds},
+                            {.population = 100, .max_generations = 40, .seed = seed});
+  };
+  const RepeatedSearch one = repeat_search(search, 10, 5, 1), two = repeat_search(search, 10, 5, 2);
+  ASSERT_EQ(one.results.size(), 10u);
+  EXPECT_EQ(one.mean, two.mean);
+  EXPECT_EQ(one.best, two.best);
+  Vector mean = Vector::Zero(6);
+  for (const auto& r : one.results) {
+    EXPECT_GE(r.value, one.results[one.best].value);
+    mean += r.x / 10.0;
+  }
+  EXPECT_TRUE(one.mean.isApprox(mean, 1e-14));
+  double ss = 0.0;
+  for (const auto& r : one.results) ss += std::pow(r.x[2] - mean[2], 2);
+  EXPECT_NEAR(one.standard_deviation[2], std::sqrt(ss / 9.0), 1e-14);
+  EXPECT_NE(one.results[0].x, one.results[1].x);
+  EXPECT_THROW(repeat_search(search, 0, 5), InputError);
+}
+
 TEST(Genetic, RefusesBadOptions) {
   const BatchObjective f = by_rows(test::branin);
-  EXPECT_THROW(minimize_genetic(f, unit_cube(2), {.population = 1}), InputError);
-  EXPECT_THROW(minimize_genetic(f, unit_cube(2), {.mutation_probability = 1.5}), InputError);
+  EXPECT_THROW(minimize_genetic(f, {unit_cube(2)}, {.population = 1}), InputError);
+  EXPECT_THROW(minimize_genetic(f, {unit_cube(2)}, {.mutation_probability = 1.5}), InputError);
   const BatchObjective shorter = [](const Matrix&) { return Vector::Zero(3); };
-  EXPECT_THROW(minimize_genetic(shorter, unit_cube(2), {}), InputError);
+  EXPECT_THROW(minimize_genetic(shorter, {unit_cube(2)}, {}), InputError);
 }
 
 }  // namespace

@@ -2,13 +2,30 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
-#include <vector>
 
-#include "repose/opt/minimizer.hpp"
-#include "repose/opt/objective.hpp"
+#include "repose/opt/evolution.hpp"
 
 namespace repose::opt {
+
+/// How parents are chosen.
+enum class Selection {
+  tournament,           ///< the best of a few drawn at random
+  stochastic_universal  ///< in proportion to 1/sqrt(rank), equally spaced draws [Baker1987]
+};
+
+/// How two parents make two children, coordinate by coordinate.
+enum class Crossover {
+  simulated_binary,  ///< near their parents, by the index [Deb1995]
+  blend,     ///< uniform over the parents' interval widened by 1/2 on both sides [Eshelman1993]
+  scattered  ///< each coordinate from one of them
+};
+
+/// How a coordinate changes.
+enum class Mutation {
+  polynomial,  ///< near, by the index, never out of the bounds [Deb2002; Deb2014]
+  gaussian,    ///< deviation 0.1 of the range, falling to 0 with the generations; reflected
+  uniform      ///< anywhere
+};
 
 /// Defaults: appendix D, Table D.2, of the thesis this project follows; what the table leaves open
 /// is marked (ours).
@@ -20,29 +37,22 @@ struct GeneticOptions {
   /// Stop when the best value improved by less than function_tolerance * max(1, |best|) in all of
   /// the last stall_generations.
   double function_tolerance = 1e-6;
-  int stall_generations = 50;     ///< (ours; the usual default of MATLAB's ga)
-  double elite_fraction = 0.05;   ///< best individuals that survive as they are (ours)
+  int stall_generations = 50;    ///< (ours; the usual default of MATLAB's ga)
+  double elite_fraction = 0.05;  ///< best individuals that survive as they are (ours)
+  Selection selection = Selection::tournament;  ///< (ours, and the two that follow)
+  Crossover crossover = Crossover::simulated_binary;
+  Mutation mutation = Mutation::polynomial;
   int tournament = 3;             ///< individuals of which the best is a parent (ours)
   double crossover_index = 15.0;  ///< eta of simulated binary crossover (ours)
   double mutation_index = 20.0;   ///< eta of polynomial mutation (ours)
   std::uint64_t seed = 1;
 };
 
-struct GeneticResult {
-  Vector x;
-  double value = 0.0;
-  int generations = 0;
-  std::int64_t evaluations = 0;
-  Termination termination = Termination::failed;
-  std::string message;
-  std::vector<double>
-      best_by_generation;  ///< never increases; the first entry is the initial population's
-};
-
-/// Minimises inside the box: tournament selection, simulated binary crossover [Deb1995], bounded
-/// polynomial mutation [Deb2014], elitism. Values that are not finite lose every tournament. The
-/// same seed gives the same bits. Throws InputError on bad bounds or options.
-GeneticResult minimize_genetic(const BatchObjective& objective, const Bounds& bounds,
-                               const GeneticOptions& options = {});
+/// Minimises inside a box, with inequalities and whole numbers as in FeasibleSet: points that break
+/// a constraint are not evaluated and lose to all that do not [Deb2000], values that are not finite
+/// lose to all that are. The same seed gives the same bits. Throws InputError on bad bounds,
+/// constraints or options.
+EvolutionResult minimize_genetic(const BatchObjective& objective, const FeasibleSet& set,
+                                 const GeneticOptions& options = {});
 
 }  // namespace repose::opt
