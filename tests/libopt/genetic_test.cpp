@@ -17,7 +17,8 @@ using test::by_rows;
 class Genetic : public testing::TestWithParam<test::Benchmark> {};
 
 // Three seeds each; a broken operator leaves Rastrigin at a multiple of 0.995 and Hartmann6 at
-// -3.2032.
+// -3.2032. Of 40 seeds 39 find the minimum of Hartmann6, all those of the others
+// (docs/methods/optimisation.md).
 TEST_P(Genetic, FindsTheGlobalMinimumWithItsDefaults) {
   const test::Benchmark b = GetParam();
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
@@ -27,7 +28,7 @@ TEST_P(Genetic, FindsTheGlobalMinimumWithItsDefaults) {
     EXPECT_EQ(r.termination, Termination::converged);
     EXPECT_EQ(r.best_by_generation.size(), static_cast<std::size_t>(r.generations) + 1);
     EXPECT_TRUE(std::is_sorted(r.best_by_generation.rbegin(), r.best_by_generation.rend()));
-    EXPECT_EQ(r.evaluations, 1000 + 950 * std::int64_t{r.generations});
+    EXPECT_EQ(r.evaluations, 1000 + 990 * std::int64_t{r.generations});
   }
 }
 
@@ -111,7 +112,7 @@ TEST(Genetic, ObeysLinearConstraintsAndAsksForNoPointThatBreaksThem) {
   const FeasibleSet set{unit_cube(2), {{"sum", Vector{{-1.0, -1.0}}, -1.2}}};
   const EvolutionResult r = minimize_genetic(bowl, set, {.population = 200});
   EXPECT_NEAR(r.value, 0.96, 1e-3);
-  EXPECT_LT(r.evaluations, 200 + 190 * std::int64_t{r.generations});
+  EXPECT_LT(r.evaluations, 200 + 198 * std::int64_t{r.generations});
 }
 
 // (x - 2.4)^2 + (n - 3.4)^2 with whole n: n = 3.

@@ -11,7 +11,7 @@ struct CmaEsOptions {
   double initial_step = 0.3;  ///< standard deviation of the first generation, of the range; > 0
   /// Restarts after the first run, each with twice the population of the one before: global search
   /// on functions with many minima [AugerHansen2005]. >= 0.
-  int restarts = 4;
+  int restarts = 6;
   /// Of all runs together, to the end of a generation; points that break a constraint count too.
   std::int64_t max_points = 200000;
   /// A run ends when the values of a generation, and the best ones of the last 10 + 30 d/population

@@ -38,11 +38,11 @@ struct GeneticOptions {
   /// the last stall_generations.
   double function_tolerance = 1e-6;
   int stall_generations = 50;    ///< (ours; the usual default of MATLAB's ga)
-  double elite_fraction = 0.05;  ///< best individuals that survive as they are (ours)
+  double elite_fraction = 0.01;  ///< best individuals that survive as they are (ours)
   Selection selection = Selection::tournament;  ///< (ours, and the two that follow)
-  Crossover crossover = Crossover::simulated_binary;
+  Crossover crossover = Crossover::blend;
   Mutation mutation = Mutation::polynomial;
-  int tournament = 3;             ///< individuals of which the best is a parent (ours)
+  int tournament = 2;             ///< individuals of which the best is a parent (ours)
   double crossover_index = 15.0;  ///< eta of simulated binary crossover (ours)
   double mutation_index = 20.0;   ///< eta of polynomial mutation (ours)
   std::uint64_t seed = 1;
