@@ -44,6 +44,8 @@ FinalModel final_model(const Repetition& repetition, const std::vector<std::stri
                                                    options.fit_dsd, repetition.blocks);
     model.terms = std::move(result.terms);
     model.fit = std::move(result.fit);
+    for (const FitDsdResult::Step& step : result.steps)
+      model.exact_search = model.exact_search && step.exact;
     model.runs.clear();
     for (const int run : result.runs)
       model.runs.push_back(repetition.runs[static_cast<std::size_t>(run)]);

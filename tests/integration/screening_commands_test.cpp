@@ -289,6 +289,18 @@ TEST(ScreenCommand, PrintsTheAnalysisOfVarianceAndDiagnosticsOfItsFinalModels) {
   EXPECT_GT(result["responses"][0]["alpha"], result["responses"][0]["alpha_of_noise"]);
 }
 
+TEST(ScreenCommand, SaysWhenTheSearchOfTheTwoStageAnalysisWasCutShort) {
+  const Workbench bench;
+  write_screening_table(bench);
+  const std::string arguments =
+      "screen runs.csv --response angle,flow/1 --replicate repetition --method fit-dsd "
+      "--alpha-second 0.999 --interactions none --quadratics none";
+  const auto said = bench.run("repose", arguments + " --budget 1");
+  EXPECT_EQ(said.code, 0) << said.err;
+  expect_readable(said.out);
+  EXPECT_NE(said.out.find("raise --budget"), std::string::npos) << said.out;
+}
+
 TEST(ScreenCommand, KeepsBlocksInEveryModel) {
   const Workbench bench;
   write_screening_table(bench);

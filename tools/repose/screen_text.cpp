@@ -128,7 +128,8 @@ std::string models_text(const ScreeningReport& report, const ResponseScreening& 
       return fmt::format("{} {:>9}", number_text(fit.sigma), fmt::format("({})", fit.residual_df));
     });
     const auto number = [](double value) {
-      return std::isnan(value) ? "-         " : fmt::format("{:.3f}         ", value);
+      if (std::isnan(value)) return std::string("-         ");
+      return fmt::format("{:.3f}         ", std::abs(value) < 5e-4 ? 0.0 : value);
     };
     line("R2", [&](std::size_t r) { return number(response.models[r].fit.r_squared); });
     line("predicted",
@@ -139,6 +140,14 @@ std::string models_text(const ScreeningReport& report, const ResponseScreening& 
       line("lack, p", [&](std::size_t r) { return number(response.models[r].lack_of_fit.p); });
     if (to < response.models.size()) text += "\n";
   }
+  std::vector<std::string> cut;
+  for (std::size_t r = 0; r < response.models.size(); ++r)
+    if (!response.models[r].exact_search) cut.push_back(report.repetitions[r]);
+  if (!cut.empty())
+    text += fmt::format(
+        "  repetition {}: the search ran out of its budget, better second-order terms may "
+        "exist;\n  raise --budget\n",
+        listed(cut));
   return text;
 }
 
@@ -228,6 +237,7 @@ nlohmann::json model_json(const ScreeningReport& report, std::size_t response,
           {"aicc", model.criteria.aicc},
           {"bic", model.criteria.bic},
           {"lack_of_fit", lack_of_fit_json(model.lack_of_fit)},
+          {"exact_search", model.exact_search},
           {"anova",
            {{"type_one", anova(doe::SumsOfSquares::type_one)},
             {"type_two", anova(doe::SumsOfSquares::type_two)},

@@ -40,6 +40,8 @@ struct FinalModel {
   RegressionDiagnostics diagnostics;
   LackOfFit lack_of_fit;
   InformationCriteria criteria;
+  /// fit_dsd: false if the search for second-order terms ran out of its budget.
+  bool exact_search = true;
 };
 
 /// One response; vectors have one value a factor unless said otherwise.
