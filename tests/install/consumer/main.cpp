@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "repose/doe/designs.hpp"
+#include "repose/doe/space_filling.hpp"
 #include "repose/opt/minimizer.hpp"
 #include "repose/surrogate/gaussian_process.hpp"
 #include "repose/table/io.hpp"

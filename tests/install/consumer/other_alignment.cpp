@@ -1,7 +1,7 @@
 // Compiled for a processor with AVX2, for which Eigen by itself aligns and frees its memory
 // otherwise.
 #include "repose/base/parameter_space.hpp"
-#include "repose/doe/designs.hpp"
+#include "repose/doe/space_filling.hpp"
 
 bool is_safe_with_other_alignment() {
 #ifdef __AVX2__
