@@ -32,6 +32,7 @@ void fit(benchmark::State& state) {
 BENCHMARK(fit)
     ->Args({100, 3})
     ->Args({185, 18})
+    ->Args({200, 8})
     ->ArgNames({"n", "d"})
     ->Unit(benchmark::kMillisecond);
 

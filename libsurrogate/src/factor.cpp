@@ -1,6 +1,5 @@
 #include "factor.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <cmath>
 #include <limits>
@@ -10,8 +9,6 @@
 
 namespace repose::surrogate {
 namespace {
-
-constexpr Eigen::Index kBlock = 64;
 
 double degrees_of_freedom(const Dataset& data, const Factor& factor, double noise_ratio,
                           Estimator estimator) {
@@ -34,16 +31,15 @@ double Factor::log_det_trend() const {
   return 2.0 * u.diagonal().array().abs().log().sum();
 }
 
-std::optional<Cholesky> factorise(const Matrix& lower) {
+std::optional<Cholesky> factorise(const Matrix& lower, Matrix storage) {
   if (!lower.diagonal().allFinite()) return std::nullopt;
   const double clear = 10.0 * std::numeric_limits<double>::epsilon() * lower.diagonal().maxCoeff();
-  Cholesky result;
+  Cholesky result{std::move(storage)};
   for (int exponent = -15; exponent <= -6; ++exponent) {
     result.jitter = exponent == -15 ? 0.0 : std::pow(10.0, exponent);
     result.l = lower;
     result.l.diagonal().array() += result.jitter;
-    const Eigen::LLT<Eigen::Ref<Matrix>> llt(result.l);
-    if (llt.info() != Eigen::Success) continue;
+    if (!dense().cholesky(result.l.data(), result.l.rows())) continue;
     const double smallest = result.l.diagonal().minCoeff();
     if (smallest * smallest >= clear) return result;
   }
@@ -88,27 +84,14 @@ Factor make_factor(const Dataset& data, const Covariance& covariance) {
 }
 
 Matrix lower_inverse(const Matrix& l) {
-  const Eigen::Index n = l.rows();
-  Matrix p = Matrix::Zero(n, n);
-  for (Eigen::Index b = 0; b < n; b += kBlock) {
-    const Eigen::Index s = std::min(kBlock, n - b);
-    const auto diagonal = l.block(b, b, s, s).triangularView<Eigen::Lower>();
-    p.block(b, b, s, s) = diagonal.solve(Matrix::Identity(s, s));
-    if (b == 0) continue;
-    const Matrix left = l.block(b, 0, s, b) * p.topLeftCorner(b, b).triangularView<Eigen::Lower>();
-    p.block(b, 0, s, b) = -diagonal.solve(left);
-  }
+  Matrix p(l.rows(), l.cols());
+  dense().lower_inverse(l.data(), l.rows(), p.data());
   return p;
 }
 
 Matrix inverse_from(const Matrix& l_inverse) {
-  const Eigen::Index n = l_inverse.rows();
-  Matrix c(n, n);
-  for (Eigen::Index b = 0; b < n; b += kBlock) {
-    const Eigen::Index s = std::min(kBlock, n - b);
-    c.block(b, 0, s, b + s).noalias() =
-        l_inverse.block(b, b, n - b, s).transpose() * l_inverse.block(b, 0, n - b, b + s);
-  }
+  Matrix c(l_inverse.rows(), l_inverse.cols());
+  dense().inverse_from(l_inverse.data(), c.rows(), c.data());
   return c;
 }
 

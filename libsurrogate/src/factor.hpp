@@ -42,7 +42,8 @@ struct Cholesky {
   Matrix l;
   double jitter = 0.0;
 };
-std::optional<Cholesky> factorise(const Matrix& lower);
+/// `storage` is used again for the factor: large matrices are costly to allocate.
+std::optional<Cholesky> factorise(const Matrix& lower, Matrix storage = {});
 
 /// What follows from the Cholesky factor.
 Factor complete(const Dataset& data, Cholesky cholesky);

@@ -57,19 +57,25 @@ Covariance NegativeLogPosterior::covariance(const Vector& p) const {
 double NegativeLogPosterior::operator()(const Vector& log_parameters, Vector* gradient) const {
   const bool wants_gradient = gradient != nullptr;
   const Eigen::Index n = data_.points();
-  Evaluation e{.c = covariance(log_parameters)};
-  Matrix lower(n, n);
-  if (wants_gradient) e.slope.resize(n, n);
-  if (wants_gradient && has_alpha()) e.alpha_slope.resize(n, n);
-  fill_correlation(e.c.correlator(data_.encoding), data_.x, lower, e.slope, e.alpha_slope);
-  lower.diagonal() += e.c.noise_ratio * data_.noise;
-  std::optional<Cholesky> cholesky = factorise(lower);
+  thread_local Evaluation e;
+  e.c = covariance(log_parameters);
+  e.lower.resize(n, n);
+  const Eigen::Index slopes = wants_gradient ? n : 0;
+  e.slope.resize(slopes, slopes);
+  const Eigen::Index alpha_slopes = has_alpha() ? slopes : 0;
+  e.alpha_slope.resize(alpha_slopes, alpha_slopes);
+  fill_correlation(e.c.correlator(data_.encoding), data_.x, e.lower, e.slope, e.alpha_slope);
+  e.lower.diagonal() += e.c.noise_ratio * data_.noise;
+  std::optional<Cholesky> cholesky = factorise(e.lower, std::move(e.f.l));
   if (!cholesky) {
     if (wants_gradient) gradient->setZero(size());
     return std::numeric_limits<double>::infinity();
   }
   e.f = complete(data_, std::move(*cholesky));
-  if (wants_gradient || estimator_ == Estimator::loo) e.l_inverse = lower_inverse(e.f.l);
+  if (wants_gradient || estimator_ == Estimator::loo) {
+    e.l_inverse.resize(n, n);
+    dense().lower_inverse(e.f.l.data(), n, e.l_inverse.data());
+  }
   if (estimator_ == Estimator::loo) e.left_out = leave_out(e.f, e.l_inverse);
   e.amplitude = amplitude(log_parameters, e.c, e.f, e.left_out);
 
@@ -144,8 +150,10 @@ double NegativeLogPosterior::value(const Evaluation& e) const {
 /// 2 W, lower triangle, with d(objective) = tr(W dC), the amplitude held:
 /// ml C^-1 - a a^T/sigma^2; reml Q - a a^T/sigma^2, a = Q y; loo, from dQ = -Q dC Q,
 /// Q diag(1/q + a^2/(q^2 sigma^2)) Q - Q h a^T - a (Q h)^T, h = a/(q sigma^2) [Sundararajan2001].
-Matrix NegativeLogPosterior::twice_sensitivity(const Evaluation& e) const {
-  Matrix m = inverse_from(e.l_inverse);
+const Matrix& NegativeLogPosterior::twice_sensitivity(Evaluation& e) const {
+  Matrix& m = e.inverse;
+  m.resize(e.l_inverse.rows(), e.l_inverse.cols());
+  dense().inverse_from(e.l_inverse.data(), m.rows(), m.data());
   const Vector& a = e.f.alpha;
   if (estimator_ != Estimator::ml && e.f.q1.cols() > 0) {
     const Matrix b = e.l_inverse.transpose() * e.f.q1;  // Q = C^-1 - B B^T
@@ -161,10 +169,10 @@ Matrix NegativeLogPosterior::twice_sensitivity(const Evaluation& e) const {
       (q.array() > 0.0).select(q.array().inverse() + a.array() * h.array() / q.array(), 0.0);
   const Matrix full = m.selfadjointView<Eigen::Lower>();
   const Matrix root = full * g.cwiseSqrt().asDiagonal();
-  Matrix w = Matrix::Zero(m.rows(), m.cols());
-  w.selfadjointView<Eigen::Lower>().rankUpdate(root);
-  w.selfadjointView<Eigen::Lower>().rankUpdate(full * h, a, -1.0);
-  return w;
+  m.setZero();
+  m.selfadjointView<Eigen::Lower>().rankUpdate(root);
+  m.selfadjointView<Eigen::Lower>().rankUpdate(full * h, a, -1.0);
+  return m;
 }
 
 double NegativeLogPosterior::by_log_amplitude(const Evaluation& e) const {
@@ -178,11 +186,12 @@ double NegativeLogPosterior::by_log_amplitude(const Evaluation& e) const {
 }
 
 /// One pass over the pairs i > j for all length scales.
-void NegativeLogPosterior::add_gradient(const Evaluation& e, double prior_by_noise,
+void NegativeLogPosterior::add_gradient(Evaluation& e, double prior_by_noise,
                                         Vector& gradient) const {
+  const Dense& loops = dense();
   const Eigen::Index n = data_.points();
   const Encoding& encoding = data_.encoding;
-  const Matrix w = twice_sensitivity(e);
+  const Matrix& w = twice_sensitivity(e);
   const Vector weight = encoding.weights(e.c.length_scales);
   Vector coefficient(n);
   Vector sums = Vector::Zero(encoding.coordinates());
@@ -193,8 +202,8 @@ void NegativeLogPosterior::add_gradient(const Evaluation& e, double prior_by_noi
     coefficient.head(below) = wj.cwiseProduct(e.slope.col(j).tail(below));
     if (has_alpha()) by_alpha += wj.dot(e.alpha_slope.col(j).tail(below));
     for (Eigen::Index p = 0; p < sums.size(); ++p)
-      sums[p] += weighted_square_sum(data_.x.data() + p * n + j + 1, below, data_.x(j, p),
-                                     coefficient.data());
+      sums[p] += loops.weighted_square_sum(data_.x.data() + p * n + j + 1, below, data_.x(j, p),
+                                           coefficient.data());
   }
   for (Eigen::Index p = 0; p < sums.size(); ++p)
     gradient[encoding.scale_of(p)] += weight[p] * sums[p];

@@ -48,12 +48,16 @@ class NegativeLogPosterior {
     double points = 0.0;   ///< others
     double squares = 0.0;  ///< sum (Qy)_i^2/Q_ii
   };
+  /// Kept by each thread from one evaluation to the next: fresh pages for five n x n matrices would
+  /// cost as much as the evaluation.
   struct Evaluation {
     Covariance c;
     Factor f;
+    Matrix lower;
     Matrix slope;
     Matrix alpha_slope;
     Matrix l_inverse;
+    Matrix inverse;  ///< of C, lower triangle
     LeftOut left_out;
     double amplitude = 0.0;
   };
@@ -63,8 +67,8 @@ class NegativeLogPosterior {
   double amplitude(const Vector& p, const Covariance& c, const Factor& f, const LeftOut& out) const;
   double value(const Evaluation& e) const;
   double by_log_amplitude(const Evaluation& e) const;
-  Matrix twice_sensitivity(const Evaluation& e) const;
-  void add_gradient(const Evaluation& e, double prior_by_noise, Vector& gradient) const;
+  const Matrix& twice_sensitivity(Evaluation& e) const;
+  void add_gradient(Evaluation& e, double prior_by_noise, Vector& gradient) const;
   double prior(const Covariance& c, Vector* gradient, double& by_noise) const;
 
   const Dataset& data_;

@@ -14,7 +14,7 @@ Posterior::Posterior(const ModelAccess::State& s, const Matrix& natural) {
   v = cross_correlation(s.covariance.correlator(s.data.encoding), s.data.x, at);
   const Matrix h = trend_matrix(s.data.trend, s.data.encoding, natural, at);
   mean = h * s.factor.beta + v.transpose() * s.factor.alpha;
-  s.factor.l.triangularView<Eigen::Lower>().solveInPlace(v);
+  dense().solve_lower(s.factor.l.data(), v.rows(), v.data(), v.cols());
   t.resize(h.cols(), at.rows());
   if (h.cols() > 0)
     t = s.factor.u.transpose().triangularView<Eigen::Lower>().solve(h.transpose()) -

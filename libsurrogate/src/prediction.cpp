@@ -87,9 +87,9 @@ PredictionGradient GaussianProcess::predict_gradient(const Vector& x) const {
   const Eigen::Index n = s.data.points();
   Vector w(n);
   Vector slope(n);
-  squared_distances(s.data.x.data(), n, n, encoding.coordinates(), q.data(), 1,
-                    correlator.weight.data(), w.data());
-  correlate(correlator.correlation, correlator.alpha, n, w.data(), {.scale = slope.data()});
+  dense().squared_distances(s.data.x.data(), n, n, encoding.coordinates(), q.data(), 1,
+                            correlator.weight.data(), w.data());
+  dense().correlate(correlator.correlation, correlator.alpha, n, w.data(), {.scale = slope.data()});
   const Vector h = trend_matrix(s.data.trend, encoding, natural, q).row(0);
   const double mean = h.dot(s.factor.beta) + w.dot(s.factor.alpha);
   s.factor.l.triangularView<Eigen::Lower>().solveInPlace(w);

@@ -135,7 +135,8 @@ TEST_F(ModelFile, ReadsVersionOne) {
   const std::vector<Gaussian> predicted =
       old.model.predict_rows(expected.matrix({"mu_s", "young_modulus_pa"}));
   for (std::size_t i = 0; i < predicted.size(); ++i) {
-    EXPECT_NEAR(predicted[i].mean, expected.numbers("angle_deg_predicted")[i], 1e-11 * 40);
+    // another processor may round otherwise; magnified by the condition, up to 15/1.6e-8
+    EXPECT_NEAR(predicted[i].mean, expected.numbers("angle_deg_predicted")[i], 1e-8 * 40);
     EXPECT_NEAR(predicted[i].standard_deviation(), expected.numbers("angle_deg_function_sd")[i],
                 1e-7);  // a root of a difference of numbers near the process variance
   }

@@ -1,0 +1,158 @@
+// Definitions behind dense.hpp, compiled once for each instruction set. The including file says in
+// REPOSE_DENSE_NAME what it is; it may have renamed the namespace Eigen, so that no template
+// instance is shared between instruction sets.
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "dense.hpp"
+
+namespace repose::surrogate {
+namespace {
+
+using Square = Eigen::Map<Eigen::MatrixXd>;
+using ConstSquare = Eigen::Map<const Eigen::MatrixXd>;
+
+constexpr Index kBlock = 64;
+
+// Whether a number is met by a vector instruction or not must not depend on where its array happens
+// to lie, or the last bits of exponentials and sums would. So exponentials go by chunks that are
+// always full, the last one padded, sums by lanes counted from the first number, and matrices are
+// copied to aligned storage first.
+constexpr Index kChunk = 16;
+using Chunk = Eigen::Array<double, kChunk, 1>;
+
+Chunk load(const double* from, Index n) {
+  if (n >= kChunk) return Eigen::Map<const Chunk>(from);
+  Chunk c = Chunk::Zero();
+  for (Index i = 0; i < n; ++i) c[i] = from[i];
+  return c;
+}
+
+void store(const Chunk& c, double* to, Index n) {
+  if (n >= kChunk)
+    Eigen::Map<Chunk>{to} = c;
+  else
+    for (Index i = 0; i < n; ++i) to[i] = c[i];
+}
+
+void squared_distances_(const double* x, Index n, Index stride, Index dimension, const double* q,
+                        Index q_stride, const double* weight, double* out) {
+  Eigen::Map<Eigen::ArrayXd> sum(out, n);
+  sum.setZero();
+  for (Index k = 0; k < dimension; ++k)
+    sum += weight[k] *
+           (Eigen::Map<const Eigen::ArrayXd>(x + k * stride, n) - q[k * q_stride]).square();
+}
+
+/// R and G of a chunk of r^2.
+struct Correlated {
+  Chunk r;
+  Chunk g;
+};
+
+Correlated correlate_chunk(Correlation correlation, const Chunk& r2) {
+  switch (correlation) {
+    case Correlation::exponential: {
+      const Chunk s = r2.sqrt();
+      const Chunk r = (-s).exp();
+      return {r, (s > 0.0).select(r / s, 0.0)};
+    }
+    case Correlation::matern32: {
+      const Chunk s = (3.0 * r2).sqrt();
+      const Chunk e = (-s).exp();
+      return {(1.0 + s) * e, 3.0 * e};
+    }
+    case Correlation::matern52: {
+      const Chunk s = (5.0 * r2).sqrt();
+      const Chunk e = (-s).exp();
+      return {(1.0 + s + s.square() / 3.0) * e, (5.0 / 3.0) * (1.0 + s) * e};
+    }
+    default: {  // squared exponential
+      const Chunk r = (-0.5 * r2).exp();
+      return {r, r};
+    }
+  }
+}
+
+void rational_quadratic(double alpha, Index n, double* r2, Slopes slopes) {
+  for (Index i = 0; i < n; ++i) {
+    const double s = r2[i] / (2.0 * alpha);
+    const double logarithm = std::log1p(s);
+    r2[i] = std::exp(-alpha * logarithm);
+    if (slopes.scale != nullptr) slopes.scale[i] = r2[i] / (1.0 + s);
+    if (slopes.alpha != nullptr) slopes.alpha[i] = alpha * r2[i] * (s / (1.0 + s) - logarithm);
+  }
+}
+
+void correlate_(Correlation correlation, double alpha, Index n, double* r2, Slopes slopes) {
+  if (correlation == Correlation::rational_quadratic)
+    return rational_quadratic(alpha, n, r2, slopes);
+  for (Index i = 0; i < n; i += kChunk) {
+    const Correlated c = correlate_chunk(correlation, load(r2 + i, n - i));
+    store(c.r, r2 + i, n - i);
+    if (slopes.scale != nullptr) store(c.g, slopes.scale + i, n - i);
+  }
+}
+
+double weighted_square_sum_(const double* x, Index n, double q, const double* c) {
+  constexpr Index kLanes = 8;
+  using Lanes = Eigen::Array<double, kLanes, 1>;
+  using Numbers = Eigen::Map<const Lanes>;
+  Lanes sums = Lanes::Zero();
+  Index i = 0;
+  for (; i + kLanes <= n; i += kLanes) sums += Numbers(c + i) * (Numbers(x + i) - q).square();
+  double rest = 0.0;
+  for (; i < n; ++i) rest += c[i] * (x[i] - q) * (x[i] - q);
+  return sums.sum() + rest;
+}
+
+bool cholesky_(double* a, Index n) {
+  thread_local Eigen::MatrixXd m;
+  m = ConstSquare(a, n, n);
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(m);
+  Square(a, n, n).triangularView<Eigen::Lower>() = m;
+  return llt.info() == Eigen::Success;
+}
+
+void lower_inverse_(const double* l_data, Index n, double* p_data) {
+  thread_local Eigen::MatrixXd l;
+  thread_local Eigen::MatrixXd p;
+  l = ConstSquare(l_data, n, n);
+  p.setZero(n, n);
+  for (Index b = 0; b < n; b += kBlock) {
+    const Index s = std::min(kBlock, n - b);
+    const auto diagonal = l.block(b, b, s, s).triangularView<Eigen::Lower>();
+    p.block(b, b, s, s) = diagonal.solve(Eigen::MatrixXd::Identity(s, s));
+    if (b == 0) continue;
+    const Eigen::MatrixXd left =
+        l.block(b, 0, s, b) * p.topLeftCorner(b, b).triangularView<Eigen::Lower>();
+    p.block(b, 0, s, b) = -diagonal.solve(left);
+  }
+  Square(p_data, n, n) = p;
+}
+
+void inverse_from_(const double* p_data, Index n, double* c_data) {
+  thread_local Eigen::MatrixXd p;
+  thread_local Eigen::MatrixXd c;
+  p = ConstSquare(p_data, n, n);
+  c.resize(n, n);
+  for (Index b = 0; b < n; b += kBlock) {
+    const Index s = std::min(kBlock, n - b);
+    c.block(b, 0, s, b + s).noalias() =
+        p.block(b, b, n - b, s).transpose() * p.block(b, 0, n - b, b + s);
+  }
+  Square(c_data, n, n).triangularView<Eigen::Lower>() = c;
+}
+
+void solve_lower_(const double* l, Index n, double* b, Index m) {
+  Eigen::MatrixXd right = ConstSquare(b, n, m);
+  ConstSquare(l, n, n).triangularView<Eigen::Lower>().solveInPlace(right);
+  Square(b, n, m) = right;
+}
+
+constexpr Dense kDense{REPOSE_DENSE_NAME, squared_distances_, correlate_,    weighted_square_sum_,
+                       cholesky_,         lower_inverse_,     inverse_from_, solve_lower_};
+
+}  // namespace
+}  // namespace repose::surrogate
