@@ -27,7 +27,13 @@ const std::string& command_line();
 
 void add_calibrate(CLI::App& app);
 void add_design(CLI::App& app);
+/// Below `repose design`, one file each.
 void add_design_check(CLI::App& design);
+void add_design_factorial(CLI::App& design);
+void add_design_filling(CLI::App& design);
+void add_design_optimal(CLI::App& design);
+void add_design_screening(CLI::App& design);
+void add_design_surface(CLI::App& design);
 void add_fit(CLI::App& app);
 void add_predict(CLI::App& app);
 void add_screen(CLI::App& app);

@@ -162,6 +162,13 @@ void print_uneven_levels(const CodedDesign& design) {
   }
 }
 
+std::vector<std::string> two_level_names(const CodedDesign& design, const doe::DesignCheck& check) {
+  std::vector<std::string> names;
+  for (const int j : check.two_level_factors)
+    names.push_back(design.factors[static_cast<std::size_t>(j)].name);
+  return names;
+}
+
 void print_check(const CheckOptions& options, const CodedDesign& design,
                  const doe::DesignCheck& check) {
   const auto names = design.names();
@@ -169,6 +176,8 @@ void print_check(const CheckOptions& options, const CodedDesign& design,
   print_item("definitive screening design", {check.is_definitive_screening() ? "yes" : "no"});
   print_pairs(check);
   print_item("centre runs", {numbers_text(check.centre_runs)});
+  if (!check.two_level_factors.empty())
+    print_item("factors of two levels only", {listed(two_level_names(design, check))});
   print_item("runs without a mirror image", {numbers_text(check.orphans)});
   print_correlation(check, names);
   print_aliasing(check, names);
@@ -217,6 +226,7 @@ nlohmann::json as_json(const CheckOptions& options, const CodedDesign& design,
           {"factors", factors},
           {"pairs", pairs},
           {"centre_runs", from_one(check.centre_runs)},
+          {"two_level_factors", two_level_names(design, check)},
           {"runs_without_mirror_image", from_one(check.orphans)},
           {"correlation", correlation},
           {"correlation_max", check.correlation_max},
@@ -238,15 +248,14 @@ table::Table repaired(const table::Table& table, const CodedDesign& design, cons
   result.add({.name = "run", .role = table::Role::id, .range = {}, .values = run});
   for (std::size_t j = 0; j < design.factors.size(); ++j) {
     const auto& f = design.factors[j];
-    auto values = table.numbers(f.name);
-    for (const double level : missing.col(static_cast<Eigen::Index>(j)))
-      values.push_back(design.natural(j, level));
-    result.add(table::factor_column({.name = f.name,
-                                     .lower = f.lower,
-                                     .upper = f.upper,
-                                     .scale = f.scale,
-                                     .unit = table.column(f.name).unit},
-                                    std::move(values)));
+    const auto column = static_cast<Eigen::Index>(j);
+    std::vector<double> values;
+    for (const double level : design.coded.col(column)) values.push_back(design.natural(j, level));
+    if (f.categories.empty()) values = table.numbers(f.name);  // as they are, to the last digit
+    for (const double level : missing.col(column)) values.push_back(design.natural(j, level));
+    auto parameter = f.parameter();
+    parameter.unit = table.column(f.name).unit;
+    result.add(table::factor_column(parameter, std::move(values)));
   }
   result.add({.name = "added", .range = {}, .values = added});
   return result;

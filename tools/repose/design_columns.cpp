@@ -21,8 +21,8 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
 
 /// Not a factor unless it is asked for: how runs are customarily numbered.
 bool numbers_runs(const std::string& name) {
-  constexpr std::array kNames{"run",       "row",        "id",  "pair", "pair_id", "block",
-                              "replicate", "repetition", "rep", "seed", "point"};
+  constexpr std::array kNames{"run",        "row", "id",   "pair",  "pair_id", "replicate",
+                              "repetition", "rep", "seed", "point", "block",   "added"};
   return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
 }
 
@@ -64,6 +64,46 @@ DesignFactor with_middle(std::string name, double lower, double upper, Scale sca
   return {std::move(name), lower, middle, upper, scale};
 }
 
+DesignFactor factor_of(const Parameter& p) {
+  auto factor = with_middle(p.name, p.lower, p.upper, p.scale);
+  factor.categories = p.categories;
+  if (p.kind == ParameterKind::levels && p.levels.size() % 2 == 1)
+    factor.middle = p.levels[p.levels.size() / 2];
+  return factor;
+}
+
+/// A factor of names that no factors file knows: in alphabetical order.
+DesignFactor factor_of_names(const std::string& name, std::vector<std::string> names) {
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  if (names.size() < 2)
+    throw InputError(fmt::format(
+        "column {} is \"{}\" in every row: it is no factor; name the factors with --columns", name,
+        names.empty() ? "" : names.front()));
+  return factor_of(Parameter{.name = name,
+                             .upper = static_cast<double>(names.size() - 1),
+                             .kind = ParameterKind::categorical,
+                             .categories = std::move(names)});
+}
+
+bool holds_names(const table::Table& table, const std::string& column) {
+  return std::holds_alternative<std::vector<std::string>>(table.column(column).values);
+}
+
+/// Values of a factor's column, of names their places.
+std::vector<double> values_of(const table::Table& table, const DesignFactor& f) {
+  if (f.categories.empty()) return table.numbers(f.name);
+  std::vector<double> values;
+  for (const auto& name : table.texts(f.name)) {
+    const auto place = std::find(f.categories.begin(), f.categories.end(), name);
+    if (place == f.categories.end())
+      throw InputError(fmt::format("row {}: {} = \"{}\" is none of {}", values.size() + 1, f.name,
+                                   name, listed(f.categories)));
+    values.push_back(static_cast<double>(place - f.categories.begin()));
+  }
+  return values;
+}
+
 /// The scale on which three levels are more nearly equally spaced; linear for other numbers of
 /// levels.
 Scale scale_of_levels(std::vector<double> values) {
@@ -78,6 +118,10 @@ Scale scale_of_levels(std::vector<double> values) {
 
 DesignFactor factor_of(const table::Table& table, const std::string& name,
                        const std::optional<ParameterSpace>& space) {
+  if (space)
+    for (const auto& p : space->parameters())
+      if (p.name == name && p.kind == ParameterKind::categorical) return factor_of(p);
+  if (holds_names(table, name)) return factor_of_names(name, table.texts(name));
   const auto values = table.numbers(name);
   const auto missing =
       std::find_if(values.begin(), values.end(), [](double v) { return std::isnan(v); });
@@ -87,7 +131,7 @@ DesignFactor factor_of(const table::Table& table, const std::string& name,
                     missing - values.begin() + 1));
   if (space)
     for (const auto& p : space->parameters())
-      if (p.name == name) return with_middle(name, p.lower, p.upper, p.scale);
+      if (p.name == name) return factor_of(p);
   if (const auto& range = table.column(name).range)
     return with_middle(name, range->lower, range->upper, range->scale);
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
@@ -127,6 +171,15 @@ void add_factor_options(CLI::App& command, FactorOptions& options) {
                      "lowest and\nhighest values");
 }
 
+Parameter DesignFactor::parameter() const {
+  return {.name = name,
+          .lower = lower,
+          .upper = upper,
+          .scale = scale,
+          .kind = categories.empty() ? ParameterKind::continuous : ParameterKind::categorical,
+          .categories = categories};
+}
+
 std::vector<std::string> CodedDesign::names() const {
   std::vector<std::string> names;
   for (const auto& f : factors) names.push_back(f.name);
@@ -156,7 +209,7 @@ CodedDesign coded_design(const table::Table& table, const FactorOptions& options
       throw InputError(fmt::format("column {} cannot be a factor and something else", names[j]));
     design.factors.push_back(factor_of(table, names[j], space));
     const auto& f = design.factors.back();
-    const auto values = table.numbers(names[j]);
+    const auto values = values_of(table, f);
     for (std::size_t i = 0; i < values.size(); ++i) {
       const double level =
           f.scale == Scale::log && values[i] <= 0.0 ? -INFINITY : coded(f, values[i]);

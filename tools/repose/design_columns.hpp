@@ -27,6 +27,9 @@ struct DesignFactor {
   std::string name;
   double lower = 0.0, middle = 0.0, upper = 0.0;
   Scale scale = Scale::linear;
+  std::vector<std::string> categories =
+      {};  ///< of a factor of names, whose values are their places
+  Parameter parameter() const;
 };
 
 struct CodedDesign {
