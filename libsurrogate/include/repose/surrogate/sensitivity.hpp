@@ -18,7 +18,8 @@ Matrix joint_sample(const GaussianProcess& model, const Matrix& x, Eigen::Index 
 
 struct SensitivityOptions {
   Eigen::Index points = 1024;  ///< quasi-random base points; (d + 2) times as many are predicted
-  Eigen::Index draws = 200;   ///< of the function; each uses its own bootstrap sample of the points
+  /// Of the function; each uses its own bootstrap sample of the points.
+  Eigen::Index draws = 200;
   std::uint64_t seed = 1;
 };
 
