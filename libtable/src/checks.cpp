@@ -37,4 +37,9 @@ void refuse_nul(const std::string& text, const std::string& where) {
       where, text.substr(0, text.find('\0'))));
 }
 
+void refuse_nul(const Values& values, const std::string& where) {
+  if (const auto* texts = std::get_if<std::vector<std::string>>(&values))
+    for (const std::string& text : *texts) refuse_nul(text, where);
+}
+
 }  // namespace repose::table

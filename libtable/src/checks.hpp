@@ -23,5 +23,6 @@ void refuse_values(const Values& values, std::string_view column, std::size_t fi
 void refuse_values(const Table& table, const std::string& where, Missing missing);
 /// C strings, and so HDF5's, end at NUL.
 void refuse_nul(const std::string& text, const std::string& where);
+void refuse_nul(const Values& values, const std::string& where);
 
 }  // namespace repose::table

@@ -189,12 +189,20 @@ Table read_csv(const std::filesystem::path& file, Missing missing) {
 
 std::string csv_text(const Table& table) {
   refuse_values(table, "a table to be written as CSV", Missing::allow);
+  return csv_header(table) + csv_rows(table);
+}
+
+std::string csv_header(const Table& table) {
   std::string out;
   for (const Column& column : table.columns()) {
     if (!out.empty()) out += ',';
     append_header(out, column);
   }
-  out += '\n';
+  return out + '\n';
+}
+
+std::string csv_rows(const Table& table) {
+  std::string out;
   for (std::size_t row = 0; row < table.rows(); ++row) {
     bool is_first = true;
     for (const Column& column : table.columns()) {
@@ -212,11 +220,15 @@ void write_csv(const std::filesystem::path& file, const Table& table) {
   write_csv_locked(file, table);
 }
 
-void write_csv_locked(const std::filesystem::path& file, const Table& table) {
-  refuse_values(table, file.string(), Missing::allow);
+void refuse_no_columns(const Table& table, const std::filesystem::path& file) {
   if (table.columns().empty())
     throw InputError(
         fmt::format("{}: a table without columns cannot be written as CSV", file.string()));
+}
+
+void write_csv_locked(const std::filesystem::path& file, const Table& table) {
+  refuse_values(table, file.string(), Missing::allow);
+  refuse_no_columns(table, file);
   write_file_atomically(file, csv_text(table));
 }
 

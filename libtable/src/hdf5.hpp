@@ -122,6 +122,13 @@ Values read_values(const Object& dataset, const Part& part, const RowRange& rows
 hsize_t chunk_rows(const Object& dataset, const Part& part);
 Object write_values(const Object& group, const std::string& name, const Values& values);
 
+/// A dataset of no rows that grows by append_values(), `chunk_rows` at a time; compressed if that
+/// gains anything on `sample`, values of its type.
+Object create_growing(const Object& group, const std::string& name, const Values& sample,
+                      hsize_t chunk_rows);
+/// Adds values to a dataset that has `rows`.
+void append_values(const Object& dataset, hsize_t rows, const Values& values);
+
 // Attributes (hdf5_attributes.cpp).
 std::optional<Attribute> read_attribute(const Object& object, const std::string& name);
 /// All whose type is one of Attribute's.

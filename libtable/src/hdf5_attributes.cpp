@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "hdf5_types.hpp"
+#include "repose/base/error.hpp"
 
 namespace repose::table::hdf5 {
 namespace {
@@ -48,6 +49,14 @@ std::optional<Attribute> read_attribute(const Object& object, const std::string&
   const H5S_class_t shape = H5Sget_simple_extent_type(space.get());
   if (shape != H5S_SCALAR && H5Sget_simple_extent_ndims(space.get()) != 1) return std::nullopt;
   const hssize_t count = checked(H5Sget_simple_extent_npoints(space.get()), what);
+  const Handle file(checked(H5Iget_file_id(object.id()), what), H5Fclose);
+  hsize_t file_bytes = 0;
+  checked(H5Fget_filesize(file.get(), &file_bytes), what);
+  // Before there is memory for them: a damaged size would ask for all there is.
+  if (static_cast<double>(count) * static_cast<double>(H5Tget_size(type.get())) >
+      static_cast<double>(file_bytes))
+    throw StorageError(
+        fmt::format("{}: it is damaged: its {} values do not fit into the file", what, count));
   const Source source{.type = type.get(),
                       .count = static_cast<std::size_t>(count),
                       .where = where,

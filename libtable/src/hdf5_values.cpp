@@ -58,6 +58,34 @@ ElementType type_of(const Object& dataset, const Part& part) {
   return element_type(member.get(), where);
 }
 
+/// Bytes of the dataset that the file holds; nothing if they lie elsewhere.
+std::optional<double> stored_bytes(const Object& dataset, const std::string& what) {
+  const Handle creation(checked(H5Dget_create_plist(dataset.id()), what), H5Pclose);
+  const H5D_layout_t layout = H5Pget_layout(creation.get());
+  if (layout == H5D_VIRTUAL || H5Pget_external_count(creation.get()) > 0) return std::nullopt;
+  const Handle file(checked(H5Iget_file_id(dataset.id()), what), H5Fclose);
+  hsize_t file_bytes = 0;
+  checked(H5Fget_filesize(file.get(), &file_bytes), what);
+  return static_cast<double>(std::min(file_bytes, H5Dget_storage_size(dataset.id())));
+}
+
+/// A damaged size would have us ask for all memory there is. Deflate makes at most 1032 bytes of
+/// one [zlib, "Maximum Compression Factor"].
+void refuse_implausible_size(const Object& dataset, const std::string& what) {
+  constexpr double kHarmless = 64e6, kMostCompressed = 1032.0;
+  const Handle type(checked(H5Dget_type(dataset.id()), what), H5Tclose);
+  const Handle space(checked(H5Dget_space(dataset.id()), what), H5Sclose);
+  const auto values = static_cast<double>(checked(H5Sget_simple_extent_npoints(space.get()), what));
+  const double bytes = values * static_cast<double>(H5Tget_size(type.get()));
+  if (bytes <= kHarmless) return;
+  const std::optional<double> stored = stored_bytes(dataset, what);
+  if (!stored || bytes <= kMostCompressed * *stored) return;
+  throw StorageError(fmt::format(
+      "{}: it says that it has {:.0f} values, but only {:.0f} bytes are stored; it is damaged or "
+      "was never filled",
+      what, values, *stored));
+}
+
 /// The file's side of the rows.
 Handle selection(const Object& dataset, const Part& part, const RowRange& rows) {
   const std::string what = cannot_read(dataset.where);
@@ -145,33 +173,57 @@ double shuffled_entropy(const unsigned char* bytes, std::size_t rows) {
   return bits / (64.0 * static_cast<double>(sampled));
 }
 
-Handle dataset_creation(const void* data, std::size_t rows, const std::string& where) {
+/// Values as HDF5 takes them: numbers as they lie in memory, texts as pointers.
+struct Cells {
+  Handle file_type;
+  Handle memory_type;
+  const void* data;
+  std::size_t rows;
+  bool are_numbers;
+  std::vector<const char*> pointers;
+};
+
+Cells cells_of(const Values& values, const std::string& where) {
   const std::string what = cannot_write(where);
-  Handle creation(checked(H5Pcreate(H5P_DATASET_CREATE), what), H5Pclose);
-  // Random mantissas take seconds to deflate and gain a tenth.
+  const auto copy = [&](hid_t type) { return Handle(checked(H5Tcopy(type), what), H5Tclose); };
+  if (const auto* doubles = std::get_if<std::vector<double>>(&values))
+    return {
+        copy(H5T_IEEE_F64LE), copy(H5T_NATIVE_DOUBLE), doubles->data(), doubles->size(), true, {}};
+  if (const auto* integers = std::get_if<std::vector<std::int64_t>>(&values))
+    return {
+        copy(H5T_STD_I64LE), copy(H5T_NATIVE_INT64), integers->data(), integers->size(), true, {}};
+  std::vector<const char*> pointers = pointers_to(std::get<std::vector<std::string>>(values));
+  const void* const data = pointers.data();
+  const std::size_t rows = pointers.size();
+  return {text_type(where), text_type(where), data, rows, false, std::move(pointers)};
+}
+
+/// Whether shuffle and deflate make numbers smaller: random mantissas take seconds and gain a
+/// tenth.
+bool is_compressible(const Cells& cells) {
   constexpr double kWorthwhile = 0.8;
-  if (data == nullptr || rows * 8 <= kCompressAboveBytes ||
-      shuffled_entropy(static_cast<const unsigned char*>(data), rows) > kWorthwhile)
-    return creation;
-  const hsize_t chunk = std::min<hsize_t>(rows, kChunkRows);
-  checked(H5Pset_chunk(creation.get(), 1, &chunk), what);
+  return cells.are_numbers && cells.rows * 8 > kCompressAboveBytes &&
+         shuffled_entropy(static_cast<const unsigned char*>(cells.data), cells.rows) <= kWorthwhile;
+}
+
+Object create_dataset(const Object& group, const std::string& name, const Cells& cells,
+                      const Handle& space, const Handle& creation, hid_t access = H5P_DEFAULT) {
+  const std::string where = fmt::format("{}/{}", group.where, name);
+  const hid_t id = H5Dcreate2(group.id(), name.c_str(), cells.file_type.get(), space.get(),
+                              H5P_DEFAULT, creation.get(), access);
+  return {Handle(checked(id, cannot_write(where)), H5Dclose), where};
+}
+
+/// How a dataset is stored: in one piece, or in chunks if it grows or is compressed.
+Handle storage(const Cells& cells, std::optional<hsize_t> chunk, const std::string& what) {
+  Handle creation(checked(H5Pcreate(H5P_DATASET_CREATE), what), H5Pclose);
+  const bool compress = is_compressible(cells);
+  if (!chunk && compress) chunk = std::min<hsize_t>(cells.rows, kChunkRows);
+  if (chunk) checked(H5Pset_chunk(creation.get(), 1, &*chunk), what);
+  if (!compress) return creation;
   checked(H5Pset_shuffle(creation.get()), what);
   checked(H5Pset_deflate(creation.get(), 1), what);
   return creation;
-}
-
-Object create_dataset(const Object& group, const std::string& name, hid_t file_type,
-                      hid_t memory_type, const void* data, std::size_t rows,
-                      const Handle& creation) {
-  const std::string where = fmt::format("{}/{}", group.where, name);
-  const std::string what = cannot_write(where);
-  const hsize_t extent = rows;
-  const Handle space(checked(H5Screate_simple(1, &extent, nullptr), what), H5Sclose);
-  const hid_t id = H5Dcreate2(group.id(), name.c_str(), file_type, space.get(), H5P_DEFAULT,
-                              creation.get(), H5P_DEFAULT);
-  Object dataset{Handle(checked(id, what), H5Dclose), where};
-  checked(H5Dwrite(dataset.id(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data), what);
-  return dataset;
 }
 
 }  // namespace
@@ -179,6 +231,7 @@ Object create_dataset(const Object& group, const std::string& name, hid_t file_t
 Values read_values(const Object& dataset, const Part& part, const RowRange& rows) {
   const std::string where = where_of(dataset, part);
   const ElementType element = type_of(dataset, part);
+  refuse_implausible_size(dataset, cannot_read(where));
   if (element.elements() != 1 && H5Tis_variable_str(element.type.get()) > 0)
     throw InputError(
         fmt::format("{} holds arrays of texts of variable length; store one text a row", where));
@@ -228,17 +281,45 @@ hsize_t chunk_rows(const Object& dataset, const Part& part) {
 
 Object write_values(const Object& group, const std::string& name, const Values& values) {
   const std::string where = fmt::format("{}/{}", group.where, name);
-  const std::size_t rows = length(values);
-  if (const auto* doubles = std::get_if<std::vector<double>>(&values))
-    return create_dataset(group, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, doubles->data(), rows,
-                          dataset_creation(doubles->data(), rows, where));
-  if (const auto* integers = std::get_if<std::vector<std::int64_t>>(&values))
-    return create_dataset(group, name, H5T_STD_I64LE, H5T_NATIVE_INT64, integers->data(), rows,
-                          dataset_creation(integers->data(), rows, where));
-  const std::vector<const char*> pointers = pointers_to(std::get<std::vector<std::string>>(values));
-  const Handle type = text_type(where);
-  return create_dataset(group, name, type.get(), type.get(), pointers.data(), rows,
-                        dataset_creation(nullptr, rows, where));
+  const std::string what = cannot_write(where);
+  const Cells cells = cells_of(values, where);
+  const hsize_t extent = cells.rows;
+  const Handle space(checked(H5Screate_simple(1, &extent, nullptr), what), H5Sclose);
+  Object dataset = create_dataset(group, name, cells, space, storage(cells, std::nullopt, what));
+  checked(
+      H5Dwrite(dataset.id(), cells.memory_type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, cells.data),
+      what);
+  return dataset;
+}
+
+Object create_growing(const Object& group, const std::string& name, const Values& sample,
+                      hsize_t chunk_rows) {
+  const std::string where = fmt::format("{}/{}", group.where, name);
+  const std::string what = cannot_write(where);
+  const Cells cells = cells_of(sample, where);
+  constexpr hsize_t kNone = 0, kUnlimited = H5S_UNLIMITED;
+  const Handle space(checked(H5Screate_simple(1, &kNone, &kUnlimited), what), H5Sclose);
+  // A chunk is written once: HDF5 need not keep more of each column.
+  const Handle access(checked(H5Pcreate(H5P_DATASET_ACCESS), what), H5Pclose);
+  const std::size_t chunk_bytes = chunk_rows * H5Tget_size(cells.file_type.get());
+  checked(H5Pset_chunk_cache(access.get(), 11, chunk_bytes, 1.0), what);
+  return create_dataset(group, name, cells, space, storage(cells, chunk_rows, what), access.get());
+}
+
+void append_values(const Object& dataset, hsize_t rows, const Values& values) {
+  const std::string what = cannot_write(dataset.where);
+  const Cells cells = cells_of(values, dataset.where);
+  const hsize_t count = cells.rows;
+  if (count == 0) return;
+  const hsize_t extent = rows + count;
+  checked(H5Dset_extent(dataset.id(), &extent), what);
+  const Handle memory_space(checked(H5Screate_simple(1, &count, nullptr), what), H5Sclose);
+  const Handle file_space(checked(H5Dget_space(dataset.id()), what), H5Sclose);
+  checked(H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, &rows, nullptr, &count, nullptr),
+          what);
+  checked(H5Dwrite(dataset.id(), cells.memory_type.get(), memory_space.get(), file_space.get(),
+                   H5P_DEFAULT, cells.data),
+          what);
 }
 
 }  // namespace repose::table::hdf5

@@ -29,7 +29,7 @@ Values part_of(const Values& values, std::size_t first, std::size_t count) {
 Table without_values(const Table& table) {
   Table header;
   for (const Column& column : table.columns())
-    header.add({column.name, column.unit, column.role, column.range, {}});
+    header.add({column.name, column.unit, column.role, column.range, part_of(column.values, 0, 0)});
   header.attributes = table.attributes;
   return header;
 }
@@ -56,7 +56,12 @@ struct TableReader::State {
     const hdf5::Session session;
     file.emplace(hdf5::open_file(location.file));
     layout = find_table(*file, location.group);
-    header = layout.header;
+    for (std::size_t j = 0; j < layout.places.size(); ++j) {
+      Column column = layout.header.columns()[j];
+      column.values = read_rows(layout, j, {0, 0});  // of the type that the file has
+      header.add(std::move(column));
+    }
+    header.attributes = layout.header.attributes;
     rows = static_cast<std::size_t>(layout.rows);
   }
   ~State() {

@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "folder.hpp"
+#include "python.hpp"
 #include "repose/base/file.hpp"
 #include "repose/base/random.hpp"
 #include "repose/table/io.hpp"
@@ -30,9 +31,10 @@ class DamagedFile : public FolderTest {
   }
 };
 
-TEST_F(DamagedFile, CutOffAnywhereIsAStorageError) {
+TEST_F(DamagedFile, CutOffAtEvery64thByteIsAStorageError) {
   const std::string bytes = table_bytes();
-  for (std::size_t size = 0; size < bytes.size(); size += 1 + size / 40) {
+  ASSERT_GT(bytes.size(), 64U * 64U);
+  for (std::size_t size = 0; size < bytes.size(); size += 64) {
     write(bytes.substr(0, size));
     const std::string message = message_of<StorageError>([&] {
       read_table({file("damaged.h5"), ""});
@@ -43,6 +45,43 @@ TEST_F(DamagedFile, CutOffAnywhereIsAStorageError) {
   }
   write(bytes.substr(0, bytes.size() - 1));
   EXPECT_THROW(read_table({file("damaged.h5"), ""}), StorageError);
+}
+
+TEST_F(DamagedFile, OfAnotherProgramCutOffAtEvery64thByteIsAnError) {
+  for (const char* name : {"arrays.h5", "pandas_table.h5", "matlab_v73.mat"}) {
+    const std::string bytes = read_file(std::filesystem::path(REPOSE_TEST_DATA) / "table" / name);
+    for (std::size_t size = 0; size < bytes.size(); size += 64) {
+      write(bytes.substr(0, size));
+      EXPECT_THROW(list_tables(file("damaged.h5")), StorageError) << name << ", " << size;
+      EXPECT_THROW(read_table({file("damaged.h5"), ""}), StorageError) << name << ", " << size;
+    }
+  }
+}
+
+TEST_F(DamagedFile, ThatClaimsMoreValuesThanItCanHoldIsAStorageError) {
+  run_python(file(""), R"(
+with h5py.File(path, 'w') as f:
+    f.create_dataset('huge/x', shape=(10**12,), chunks=(2**16,), dtype='f8')
+    f.create_dataset('text/x', shape=(10**10,), chunks=(2**10,), dtype='S64')
+    f.create_dataset('small/x', shape=(1000,), chunks=(100,), dtype='f8')
+)");
+  for (const char* group : {"/huge", "/text"})
+    EXPECT_NE(message_of<StorageError>([&] {
+                read_table({file("t.h5"), group});
+              }).find("only 0 bytes are stored"),
+              std::string::npos);
+  EXPECT_EQ(read_table({file("t.h5"), "/small"}).numbers("x"), std::vector<double>(1000));
+}
+
+TEST_F(DamagedFile, ThatIsCsvCutOffAtEveryByteIsATableOrAnInputError) {
+  const std::string text = csv_text(every_kind_of_value());
+  for (std::size_t size = 0; size < text.size(); ++size) {
+    try {
+      EXPECT_LE(parse_csv(text.substr(0, size), "cut.csv").rows(), 7U);
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("cut.csv"), std::string::npos);
+    }
+  }
 }
 
 TEST_F(DamagedFile, ThatIsNoHdf5IsAStorageError) {

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 
 #include "folder.hpp"
+#include "memory.hpp"
 #include "python.hpp"
 
 namespace repose::table {
@@ -76,17 +76,6 @@ TEST_F(Reader, KeepsReadingTheFileThatItOpened) {
   const TableReader reader({file("t.h5"), ""});
   write_table({file("t.h5"), ""}, Table{});
   EXPECT_EQ(reader.values("x", 0, 2), Values(Integers{1, 2}));
-}
-
-/// Largest resident size since reset_peak(), in bytes.
-std::size_t peak_bytes() {
-  std::ifstream status("/proc/self/status");
-  for (std::string line; std::getline(status, line);)
-    if (line.starts_with("VmHWM:")) return std::stoul(line.substr(6)) * 1024;
-  return 0;
-}
-void reset_peak() {
-  std::ofstream("/proc/self/clear_refs") << "5";
 }
 
 TEST_F(Reader, HoldsABlockAndNotTheColumn) {

@@ -64,7 +64,7 @@ void write_tables(const std::filesystem::path& file,
                   const std::vector<std::pair<std::string, Table>>& groups,
                   const Attributes& file_attributes = {});
 
-/// The groups and datasets of an HDF5 file that read_table() takes for tables, by name.
+/// The groups and datasets of an HDF5 file that read_table() takes for tables; none of CSV.
 std::vector<std::string> list_tables(const std::filesystem::path& file);
 
 /// Attributes of any HDF5 group, "/" included (an empty group means "/"), all that have a type of

@@ -21,7 +21,8 @@ class TableReader {
   TableReader& operator=(TableReader&&) noexcept;
   ~TableReader();
 
-  /// Columns with name, unit, role and range but no values, and the attributes.
+  /// Columns with name, unit, role, range and type (that of their empty values), and the
+  /// attributes.
   const Table& header() const;
   std::size_t rows() const;
 
