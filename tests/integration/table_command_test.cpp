@@ -86,6 +86,67 @@ TEST(TableImport, NamesAWrongCall) {
   EXPECT_EQ(bench.files(), 1U);
 }
 
+TEST(TableImport, TakesTheRangesOfFactorsFromTheDataAndSaysSo) {
+  const Workbench bench;
+  bench.write("runs.csv",
+              "mu_s,stiffness_Pa [Pa],fixed,y\n0.1,1e6,2,1\n0.3,1e7,2,2\n0.6,1e8,2,3\n");
+  const std::string command = "table import runs.csv -o runs.h5 --response y";
+  const auto said = bench.run("repose", command);
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_NE(said.out.find("mu_s: 0.1 ... 0.6, from the data"), std::string::npos) << said.out;
+  EXPECT_NE(said.out.find("stiffness_Pa: 1e+06 ... 1e+08 (log), from the data"), std::string::npos)
+      << said.out;
+  EXPECT_NE(said.out.find("fixed: no range"), std::string::npos) << said.out;
+  const auto table = table::read_table({bench / "runs.h5", ""});
+  EXPECT_EQ(table.column("mu_s").range, (table::FactorRange{0.1, 0.6, Scale::linear}));
+  EXPECT_EQ(table.column("stiffness_Pa").range, (table::FactorRange{1e6, 1e8, Scale::log}));
+  EXPECT_FALSE(table.column("fixed").range);
+  const auto ranges =
+      nlohmann::json::parse(bench.run("repose", command + " --json").out).at("ranges");
+  EXPECT_EQ(
+      ranges.at("mu_s"),
+      (nlohmann::json{{"from", "data"}, {"lower", 0.1}, {"upper", 0.6}, {"scale", "linear"}}));
+  EXPECT_EQ(ranges.at("fixed"), (nlohmann::json{{"from", "none"}}));
+}
+
+TEST(TableImport, TakesFactorsAndRangesFromAFactorsFile) {
+  const Workbench bench;
+  bench.write("runs.csv", "run,mu_s,k,y\n1,0.1,1e6,1\n2,0.3,1e7,2\n");
+  bench.write("f.toml",
+              "[parameters]\nmu_s = { lower = 0.05, upper = 0.9 }\n"
+              "k = { lower = 1e5, upper = 1e8, scale = \"log\", unit = \"Pa\" }\n");
+  const std::string command = "table import runs.csv -o runs.h5 --response y --factors f.toml";
+  const auto said = bench.run("repose", command);
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_NE(said.out.find("k: 100000 ... 1e+08 (log), from the factors file"), std::string::npos)
+      << said.out;
+  const auto table = table::read_table({bench / "runs.h5", ""});
+  EXPECT_EQ(table.names_with_role(Role::factor), (Texts{"mu_s", "k"}));
+  EXPECT_EQ(table.column("run").role, Role::none);
+  EXPECT_EQ(table.column("k").range, (table::FactorRange{1e5, 1e8, Scale::log}));
+  EXPECT_EQ(table.column("k").unit, "Pa");
+  EXPECT_EQ(std::get<Texts>(table.attributes.at("parents")), (Texts{"runs.csv", "f.toml"}));
+
+  const auto refusal = [&](const std::string& toml, int code) {
+    bench.write("f.toml", "[parameters]\n" + toml);
+    const auto refused = bench.run("repose", command);
+    EXPECT_EQ(refused.code, code) << refused.err;
+    return refused.err;
+  };
+  EXPECT_NE(refusal("mu_s = { lower = 0.05, upper = 0.2 }\n", 3)
+                .find("row 2 of column \"mu_s\" is 0.3, outside its range [0.05, 0.2]"),
+            std::string::npos);
+  EXPECT_NE(refusal("mu_t = { lower = 0.05, upper = 0.9 }\n", 3).find("did you mean \"mu_s\"?"),
+            std::string::npos);
+  EXPECT_NE(refusal("y = { lower = 0, upper = 9 }\n", 2).find("a factor of the factors file"),
+            std::string::npos);
+  EXPECT_EQ(refusal("k = { lower = 1e5, upper = 1e8, unit = \"Pa\" }\n", 0), "");
+  bench.write("runs.csv", "k [N/m],y\n1e6,1\n1e7,2\n");
+  EXPECT_NE(refusal("k = { lower = 1e5, upper = 1e8, unit = \"Pa\" }\n", 3)
+                .find("has the unit N/m, but f.toml says Pa"),
+            std::string::npos);
+}
+
 TEST(TableExport, WritesTheColumnsAskedFor) {
   const Workbench bench;
   bench.write("runs.csv", kRuns);

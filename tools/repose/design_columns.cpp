@@ -104,18 +104,6 @@ std::vector<double> values_of(const table::Table& table, const DesignFactor& f) 
   return values;
 }
 
-/// The scale on which three levels are more nearly equally spaced; linear for other numbers of
-/// levels.
-Scale scale_of_levels(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
-  if (values.size() != 3 || values[0] <= 0.0) return Scale::linear;
-  const double geometric = std::sqrt(values[0]) * std::sqrt(values[2]);
-  const double arithmetic = 0.5 * (values[0] + values[2]);
-  return std::abs(values[1] - geometric) < std::abs(values[1] - arithmetic) ? Scale::log
-                                                                            : Scale::linear;
-}
-
 DesignFactor factor_of(const table::Table& table, const std::string& name,
                        const std::optional<ParameterSpace>& space) {
   if (space)
@@ -152,6 +140,16 @@ double coded(const DesignFactor& f, double value) {
 }
 
 }  // namespace
+
+Scale scale_of_levels(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+  if (values.size() != 3 || values[0] <= 0.0) return Scale::linear;
+  const double geometric = std::sqrt(values[0]) * std::sqrt(values[2]);
+  const double arithmetic = 0.5 * (values[0] + values[2]);
+  return std::abs(values[1] - geometric) < std::abs(values[1] - arithmetic) ? Scale::log
+                                                                            : Scale::linear;
+}
 
 ParameterSpace read_factors(const std::string& file) {
   const auto root = TomlTable::read_file(file);

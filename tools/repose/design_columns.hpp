@@ -49,6 +49,10 @@ struct CodedDesign {
 CodedDesign coded_design(const table::Table& table, const FactorOptions& options,
                          const std::vector<std::string>& others = {});
 
+/// The scale on which three levels are more nearly equally spaced; linear for other numbers of
+/// levels.
+Scale scale_of_levels(std::vector<double> values);
+
 /// The values of a column of texts or integers as text, for grouping rows. Throws InputError for a
 /// column of other numbers.
 std::vector<std::string> row_labels(const table::Table& table, const std::string& column);

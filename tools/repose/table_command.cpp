@@ -59,6 +59,9 @@ std::string summary(const table::Column& column) {
                             : fmt::format("{:.6g} ... {:.6g}, mean {:.6g}", low, high,
                                           sum / static_cast<double>(n));
   if (missing > 0) text += fmt::format(", {} missing", missing);
+  if (column.range)
+    text += fmt::format(", range {:.6g} ... {:.6g}{}", column.range->lower, column.range->upper,
+                        column.range->scale == Scale::log ? " (log)" : "");
   return text;
 }
 
@@ -114,6 +117,7 @@ nlohmann::json as_json(const table::Table& table, std::size_t rows) {
     if (c.range) {
       column["lower"] = c.range->lower;
       column["upper"] = c.range->upper;
+      column["scale"] = c.range->scale == Scale::log ? "log" : "linear";
     }
     json["columns"].push_back(std::move(column));
   }
@@ -122,7 +126,7 @@ nlohmann::json as_json(const table::Table& table, std::size_t rows) {
 
 void show(const ShowOptions& options) {
   auto location = table::parse_location(options.location);
-  if (location.group.empty() && location.file.extension() != ".csv") {
+  if (location.group.empty()) {
     const auto tables = table::list_tables(location.file);
     if (tables.size() > 1) {
       if (options.common.json) {
