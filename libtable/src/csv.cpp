@@ -18,6 +18,8 @@
 namespace repose::table {
 namespace {
 
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+
 // ---- reading
 
 /// The cells below one name.
@@ -148,7 +150,7 @@ void append(std::string& out, const std::string& text) {
 void append_header(std::string& out, const Column& column) {
   std::string text = column.name;
   if (column.unit != "1" || column.name.ends_with(']')) text += fmt::format(" [{}]", column.unit);
-  if (has_special_characters(text))
+  if (has_special_characters(text) || text.starts_with(kByteOrderMark))
     append_quoted(out, text);
   else
     out += text;
@@ -157,7 +159,6 @@ void append_header(std::string& out, const Column& column) {
 }  // namespace
 
 Table parse_csv(std::string_view text, const std::string& name, Missing missing) {
-  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   if (!is_utf8(text))
     throw InputError(fmt::format("{} is not UTF-8 text; save it as \"CSV UTF-8\"", name));

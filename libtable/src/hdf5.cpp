@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "repose/base/error.hpp"
+#include "superblock.hpp"
 
 namespace repose::table::hdf5 {
 namespace {
@@ -108,6 +109,7 @@ Object open_file(const std::filesystem::path& path) {
   if (is_hdf5 == 0)
     throw StorageError(fmt::format(
         "cannot read {}: it is not an HDF5 file (or was cut off); a table is *.h5 or *.csv", name));
+  refuse_driver_information(path);
   const Handle access = file_access();
   const hid_t id = H5Fopen(name.c_str(), H5F_ACC_RDONLY, access.get());
   return {

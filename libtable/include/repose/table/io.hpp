@@ -75,7 +75,7 @@ Attributes read_attributes(const Location& location);
 /// byte order mark and CRLF and finds each column's type: integers, doubles or text. A quoted cell
 /// is text (unless every cell of the file is quoted), an unquoted empty one or `nan` is missing.
 /// Roles, ranges and attributes do not survive CSV; names, units, types and all bits of the values
-/// do.
+/// do, unless the table holds only texts that must be quoted, like 1: they come back as numbers.
 Table read_csv(const std::filesystem::path& file, Missing missing = Missing::refuse);
 /// As read_csv() from text; `name` stands for the file in messages.
 Table parse_csv(std::string_view text, const std::string& name, Missing missing = Missing::refuse);
