@@ -1,6 +1,5 @@
 #include "readers.hpp"
 
-#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -8,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 #include "repose/base/error.hpp"
@@ -51,21 +51,24 @@ bool holds_only_texts(const Table& table) {
   });
 }
 
-/// Bytes as a file that lies in memory.
-class MemoryFile {
+/// Bytes as a file of this process; HDF5 wants a path that it can resolve.
+class BytesFile {
  public:
-  explicit MemoryFile(std::string_view bytes) : descriptor_(::memfd_create("fuzz", MFD_CLOEXEC)) {
-    require(descriptor_ >= 0, "a file in memory can be made");
-    require(::write(descriptor_, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size()),
-            "a file in memory can be written");
+  explicit BytesFile(std::string_view bytes)
+      : path_(std::filesystem::temp_directory_path() /
+              ("repose_fuzz_" + std::to_string(::getpid()) + ".h5")) {
+    std::ofstream out(path_, std::ios::binary);
+    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    out.close();
+    require(static_cast<bool>(out), "a file can be written");
   }
-  ~MemoryFile() { ::close(descriptor_); }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-  std::filesystem::path path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
+  ~BytesFile() { std::filesystem::remove(path_); }
+  BytesFile(const BytesFile&) = delete;
+  BytesFile& operator=(const BytesFile&) = delete;
+  const std::filesystem::path& path() const { return path_; }
 
  private:
-  int descriptor_;
+  std::filesystem::path path_;
 };
 
 void read_in_blocks(const table::Location& location, const Table& whole) {
@@ -83,12 +86,12 @@ void read_in_blocks(const table::Location& location, const Table& whole) {
 
 }  // namespace
 
-void check_csv(std::string_view bytes) {
+int check_csv(std::string_view bytes) {
   Table parsed;
   try {
     parsed = table::parse_csv(bytes, "input", Missing::allow);
   } catch (const InputError&) {
-    return;
+    return 0;
   }
   const std::string text = table::csv_text(parsed);
   // Of texts that must all be quoted some may come back as numbers.
@@ -97,23 +100,26 @@ void check_csv(std::string_view bytes) {
       "CSV that we wrote is the table that it was written from");
 }
 
-void check_hdf5(std::string_view bytes) {
-  const MemoryFile file(bytes);
+int check_hdf5(std::string_view bytes) {
+  const BytesFile file(bytes);
   std::vector<std::string> paths;
   try {
     paths = table::list_tables(file.path());
   } catch (const Error&) {
   }
   paths.emplace_back();  // the only table, if any
+  int tables = 0;
   for (const std::string& path : paths) {
     const table::Location location{file.path(), path};
     try {
       const Table whole = table::read_table(location, Missing::allow);
       read_in_blocks(location, whole);
       table::read_attributes({file.path(), ""});
+      ++tables;
     } catch (const Error&) {
     }
   }
+  return tables;
 }
 
 }  // namespace repose::fuzz

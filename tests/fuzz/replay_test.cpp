@@ -9,23 +9,31 @@
 namespace repose::fuzz {
 namespace {
 
-int replay(const char* corpus, void (*check)(std::string_view)) {
-  int count = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(
-           std::filesystem::path(REPOSE_TEST_DATA) / "fuzz" / corpus)) {
+struct Replayed {
+  int files = 0, tables = 0;
+};
+
+Replayed replay(const char* corpus, int (*check)(std::string_view)) {
+  Replayed replayed;
+  const auto folder = std::filesystem::path(REPOSE_TEST_DATA) / "fuzz" / corpus;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     SCOPED_TRACE(entry.path().filename().string());
-    check(read_file(entry.path()));
-    ++count;
+    replayed.tables += check(read_file(entry.path()));
+    ++replayed.files;
   }
-  return count;
+  return replayed;
 }
 
 TEST(FuzzCorpus, OfCsvIsReadOrRefused) {
-  EXPECT_GT(replay("csv", check_csv), 20);
+  const Replayed replayed = replay("csv", check_csv);
+  EXPECT_GT(replayed.files, 100);
+  EXPECT_GT(replayed.tables, 50);
 }
 
 TEST(FuzzCorpus, OfHdf5IsReadOrRefused) {
-  EXPECT_GT(replay("hdf5", check_hdf5), 20);
+  const Replayed replayed = replay("hdf5", check_hdf5);
+  EXPECT_GT(replayed.files, 20);
+  EXPECT_GT(replayed.tables, 20);
 }
 
 }  // namespace

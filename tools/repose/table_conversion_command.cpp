@@ -78,6 +78,8 @@ using RangeOrigins = std::map<std::string, std::string>;
 /// Between the smallest and the largest value; nothing if there are not two.
 std::optional<table::FactorRange> range_of_data(const table::Table& table,
                                                 const std::string& name) {
+  if (std::holds_alternative<std::vector<std::string>>(table.column(name).values))
+    return std::nullopt;  // categories
   std::vector<double> values = table.numbers(name);
   std::erase_if(values, [](double value) { return std::isnan(value); });
   if (values.empty()) return std::nullopt;
