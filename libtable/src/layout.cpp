@@ -86,11 +86,17 @@ std::string dimensions_refused(const Object& dataset) {
 
 // ---- columns of a layout
 
+/// More are no table but an array lying on its side, or damage that would keep us busy for hours.
+constexpr std::size_t kMostColumns = 10000;
+
 void add(Layout& layout, Column header, hsize_t rows, ColumnPlace place) {
   if (!layout.places.empty() && rows != layout.rows)
     throw InputError(
         fmt::format("column \"{}\" has {} rows, but the table has {}; columns must be equally long",
                     header.name, rows, layout.rows));
+  if (layout.places.size() == kMostColumns)
+    throw InputError(fmt::format("it has more than {} columns; is it transposed? Rows come first",
+                                 kMostColumns));
   layout.rows = rows;
   layout.header.add(std::move(header));
   layout.places.push_back(std::move(place));

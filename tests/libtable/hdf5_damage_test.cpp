@@ -73,6 +73,21 @@ with h5py.File(path, 'w') as f:
   EXPECT_EQ(read_table({file("t.h5"), "/small"}).numbers("x"), std::vector<double>(1000));
 }
 
+TEST_F(DamagedFile, OfMoreThanTenThousandColumnsIsRefused) {
+  run_python(file(""), R"(
+with h5py.File(path, 'w') as f:
+    f.create_dataset('wide', data=np.zeros((2, 10000)))
+    f.create_dataset('wider', data=np.zeros((2, 10001)))
+    f.create_dataset('endless', shape=(1, 2**40), chunks=(1, 2**10), dtype='f8')
+)");
+  EXPECT_EQ(read_table({file("t.h5"), "/wide"}).columns().size(), 10000U);
+  for (const char* group : {"/wider", "/endless"})
+    EXPECT_NE(message_of<InputError>([&] {
+                read_table({file("t.h5"), group});
+              }).find("more than 10000 columns"),
+              std::string::npos);
+}
+
 TEST_F(DamagedFile, ThatIsCsvCutOffAtEveryByteIsATableOrAnInputError) {
   const std::string text = csv_text(every_kind_of_value());
   for (std::size_t size = 0; size < text.size(); ++size) {
