@@ -104,7 +104,8 @@ void add_predict(CLI::App& app) {
   auto* command = add_command(app, "predict", "Predicts a response for every row of a table",
                               "repose predict shear.h5 points.csv -o predicted.csv", o->common);
   command->add_option("MODEL", o->model, "file written by repose fit")->required();
-  command->add_option("TABLE", o->table, "FILE.h5, FILE.h5:/group or FILE.csv with the inputs")->required();
+  command->add_option("TABLE", o->table, "FILE.h5, FILE.h5:/group or FILE.csv with the inputs")
+      ->required();
   command->add_option("-o,--output", o->output, "the table with predictions added (.h5 or .csv)")
       ->required();
   command->add_flag("--gradient", o->gradient,
