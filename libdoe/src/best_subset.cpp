@@ -146,10 +146,11 @@ SubsetSearch::Node SubsetSearch::child(const Node& node, const std::vector<Eigen
 }
 
 void SubsetSearch::search(Node node, int missing, std::vector<int>& chosen) {
-  if (++best_.nodes > budget_) {
+  if (best_.nodes == budget_) {
     best_.exact = false;
     return;
   }
+  ++best_.nodes;
   const auto free = static_cast<std::size_t>(node.columns.cols());
   if (free < static_cast<std::size_t>(missing)) return;
   const Vector explained = (node.columns.transpose() * node.residual).array().square() /
@@ -164,6 +165,8 @@ void SubsetSearch::search(Node node, int missing, std::vector<int>& chosen) {
     return columns;
   };
   if (missing == 1) {
+    const double estimate = node.residual.squaredNorm() - explained(order.front());
+    if (estimate > best_.residual_ss * (1.0 + 1e-9)) return;
     std::vector<int> columns = choose(order.front());
     const double left = residual_ss_with(columns);
     return keep_if_better(std::move(columns), left);

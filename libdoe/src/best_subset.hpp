@@ -28,7 +28,8 @@ class SubsetSearch {
   int residual_df_of_base() const { return base_df_; }
 
   /// Nothing if no `size` candidates are linearly independent. `budget` is the number of nodes of
-  /// the search tree; `near` a subset of size - 1 to begin with.
+  /// the search tree, 0 for none: then the subset is greedy, improved by exchanges. `near` is a
+  /// subset of size - 1 to begin with.
   std::optional<BestSubset> best(int size, std::int64_t budget, const std::vector<int>& near);
 
  private:

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <vector>
 
+#include "columns.hpp"
 #include "repose/base/error.hpp"
 #include "repose/doe/distributions.hpp"
 
@@ -23,17 +24,13 @@ void check_values(const char* what, const Vector& values) {
   if (!values.allFinite()) throw InputError(fmt::format("{}: a value is not finite", what));
 }
 
-double sum_of_squares(const Vector& values) {
-  return (values.array() - values.mean()).square().sum();
-}
-
 double sample_variance(const Vector& values) {
-  return sum_of_squares(values) / static_cast<double>(values.size() - 1);
+  return centred_ss(values) / static_cast<double>(values.size() - 1);
 }
 
 double pearson(const Vector& a, const Vector& b) {
+  const double scale = std::sqrt(centred_ss(a)) * std::sqrt(centred_ss(b));
   const Vector da = a.array() - a.mean(), db = b.array() - b.mean();
-  const double scale = da.norm() * db.norm();
   return scale > 0.0 ? std::clamp(da.dot(db) / scale, -1.0, 1.0) : kNaN;
 }
 
@@ -63,7 +60,7 @@ double cohens_d(const Vector& a, const Vector& b) {
 
 CoefficientOfVariation coefficient_of_variation(const Vector& values) {
   check_values("coefficient of variation", values);
-  const double mean = std::abs(values.mean()), ss = sum_of_squares(values);
+  const double mean = std::abs(values.mean()), ss = centred_ss(values);
   const auto n = static_cast<double>(values.size());
   return {std::sqrt(ss / (n - 1.0)) / mean, std::sqrt(ss / n) / mean};
 }

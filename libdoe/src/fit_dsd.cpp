@@ -214,9 +214,11 @@ void stage_two(const Split& s, const FitDsdOptions& options, FitDsdResult& resul
   const int cap = options.most_second_order < 0 ? result.pairs / 2 : options.most_second_order;
   const int most = std::min({cap, static_cast<int>(candidates.size()), result.second_df - 1});
   std::vector<int> chosen;
+  std::int64_t budget = options.search_budget;
   for (int size = 1; size <= most; ++size) {
-    const std::optional<BestSubset> best = search.best(size, options.search_budget, chosen);
+    const std::optional<BestSubset> best = search.best(size, budget, chosen);
     if (!best) break;
+    budget -= best->nodes;
     chosen = best->columns;
     FitDsdResult::Step step{
         .residual_ss = best->residual_ss, .exact = best->exact, .nodes = best->nodes};

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "columns.hpp"
 #include "repose/base/error.hpp"
 #include "repose/doe/distributions.hpp"
 #include "scaled_qr.hpp"
@@ -34,18 +35,16 @@ void check_input(const Matrix& x, const Vector& y, std::vector<std::string>& nam
                                    names[static_cast<std::size_t>(j)]));
   if (!y.allFinite())
     throw InputError("least squares: the response has a value that is not finite");
-}
-
-bool has_constant_column(const Matrix& x) {
-  for (Eigen::Index j = 0; j < x.cols(); ++j)
-    if (x(0, j) != 0.0 && (x.col(j).array() == x(0, j)).all()) return true;
-  return false;
+  const double largest = y.cwiseAbs().maxCoeff();
+  if (largest > 1e140 || (largest > 0.0 && largest < 1e-140))
+    throw InputError(
+        fmt::format("least squares: the largest value of the response is {:.1e}, whose square no "
+                    "double holds; give it in another unit",
+                    largest));
 }
 
 double total_sum_of_squares(const Matrix& x, const Vector& y) {
-  if (!has_constant_column(x)) return y.squaredNorm();
-  const Vector from_first = y.array() - y(0);
-  return (from_first.array() - from_first.mean()).square().sum();
+  return has_constant_column(x) ? centred_ss(y) : y.squaredNorm();
 }
 
 void add_tests(LeastSquaresFit& fit) {

@@ -8,6 +8,7 @@
 #include <map>
 #include <vector>
 
+#include "columns.hpp"
 #include "repose/base/error.hpp"
 #include "repose/doe/distributions.hpp"
 #include "repose/doe/least_squares.hpp"
@@ -20,16 +21,6 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// A row with this leverage determines a coefficient alone: leaving it out leaves that undefined.
 constexpr double kAlone = 1.0 - 1e-10;
-
-bool has_constant_column(const Matrix& x) {
-  for (Eigen::Index j = 0; j < x.cols(); ++j)
-    if (x(0, j) != 0.0 && (x.col(j).array() == x(0, j)).all()) return true;
-  return false;
-}
-
-double centred_ss(const Vector& values) {
-  return (values.array() - values.mean()).square().sum();
-}
 
 Vector variance_inflation(const Matrix& x, const LeastSquaresFit& fit) {
   const bool about_mean = has_constant_column(x);
@@ -72,11 +63,14 @@ RegressionDiagnostics diagnose_regression(const Matrix& x, const Vector& y) {
   return result;
 }
 
-LackOfFit lack_of_fit(const Matrix& x, const Vector& y) {
+LackOfFit lack_of_fit(const Matrix& x, const Vector& y, const Matrix& points) {
   const LeastSquaresFit fit = fit_least_squares(x, y);
+  if (points.rows() != x.rows())
+    throw InputError(
+        fmt::format("lack of fit: {} points for {} observations", points.rows(), x.rows()));
   std::map<std::vector<double>, std::vector<double>> repeats;
   for (Eigen::Index i = 0; i < x.rows(); ++i) {
-    const Vector row = x.row(i);
+    const Vector row = points.row(i);
     repeats[{row.begin(), row.end()}].push_back(y(i));
   }
   LackOfFit result;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "columns.hpp"
 #include "repose/base/error.hpp"
 #include "repose/doe/distributions.hpp"
 #include "sweep.hpp"
@@ -42,13 +43,12 @@ FinalModel final_model(const Repetition& repetition, const std::vector<std::stri
   if (options.method == ScreeningOptions::Method::fit_dsd) {
     FitDsdResult result = fit_definitive_screening(repetition.coded, repetition.y, factors,
                                                    options.fit_dsd, repetition.blocks);
-    model.terms = std::move(result.terms);
-    model.fit = std::move(result.fit);
-    for (const FitDsdResult::Step& step : result.steps)
-      model.exact_search = model.exact_search && step.exact;
+    model.terms = result.terms;
+    model.fit = result.fit;
     model.runs.clear();
     for (const int run : result.runs)
       model.runs.push_back(repetition.runs[static_cast<std::size_t>(run)]);
+    model.two_stage = std::move(result);
   } else {
     StepwiseResult result =
         stepwise_regression(repetition.coded, repetition.y, factors,
@@ -71,10 +71,15 @@ void diagnose(const Matrix& coded, const Vector& y, const std::vector<int>& bloc
   if (!blocks.empty())
     for (const Eigen::Index run : model.runs)
       used_blocks.push_back(blocks[static_cast<std::size_t>(run)]);
-  const Matrix x = model_matrix(coded(model.runs, Eigen::all), model.terms, used_blocks);
+  const Matrix levels = coded(model.runs, Eigen::all);
+  const Matrix x = model_matrix(levels, model.terms, used_blocks);
   const Vector used = y(model.runs);
+  Matrix points(levels.rows(), levels.cols() + 1);
+  points << levels, Vector::Zero(levels.rows());
+  for (std::size_t i = 0; i < used_blocks.size(); ++i)
+    points(static_cast<Eigen::Index>(i), levels.cols()) = used_blocks[i];
   model.diagnostics = diagnose_regression(x, used);
-  model.lack_of_fit = lack_of_fit(x, used);
+  model.lack_of_fit = lack_of_fit(x, used, points);
   model.criteria = information_criteria(model.fit.residual_ss, static_cast<int>(x.rows()),
                                         static_cast<int>(x.cols()));
 }
@@ -101,6 +106,11 @@ double p_of_factor(const Repetition& repetition, const FinalModel& model, int fa
   return std::isnan(smallest) ? p_if_added(repetition, model.terms, factor) : smallest;
 }
 
+bool main_effect_is_significant(const FinalModel& model, int factor, double alpha) {
+  const auto at = std::find(model.terms.begin(), model.terms.end(), main_effect(factor));
+  return at != model.terms.end() && model.fit.p(at - model.terms.begin() + 1) < alpha;
+}
+
 bool is_significant(const FinalModel& model, int factor, double alpha) {
   for (std::size_t j = 0; j < model.terms.size(); ++j)
     if (model.terms[j].contains(factor) && model.fit.p(static_cast<Eigen::Index>(j) + 1) < alpha)
@@ -112,16 +122,6 @@ double median(Vector values) {
   std::sort(values.begin(), values.end());
   const Eigen::Index n = values.size();
   return n % 2 == 1 ? values(n / 2) : 0.5 * (values(n / 2 - 1) + values(n / 2));
-}
-
-Vector run_means(const Matrix& values) {
-  Vector means(values.rows());
-  for (Eigen::Index run = 0; run < values.rows(); ++run) {
-    const auto present = values.row(run).array().isNaN() == false;
-    means(run) =
-        present.select(values.row(run).array(), 0.0).sum() / static_cast<double>(present.count());
-  }
-  return means;
 }
 
 /// NaN where too few runs are repeated.
@@ -140,22 +140,25 @@ void pool(const Matrix& coded, const Matrix& values, const std::vector<std::stri
   const auto k = static_cast<Eigen::Index>(factors.size());
   const int within_df = variance.observations - variance.runs;
   result.pooled_p_value = result.pooled_standard_error = Vector::Constant(k, kNaN);
-  if (within_df == 0) return;
+  const double largest = (values.array().isNaN()).select(0.0, values).cwiseAbs().maxCoeff();
+  if (within_df == 0 || variance.within_ss <= negligible_ss(largest, variance.observations)) return;
+  std::vector<Eigen::Index> runs;
+  std::vector<int> used_blocks;
+  std::vector<double> root_weight;
+  for (Eigen::Index run = 0; run < values.rows(); ++run) {
+    if (std::isnan(result.run_means(run))) continue;
+    runs.push_back(run);
+    if (!blocks.empty()) used_blocks.push_back(blocks[static_cast<std::size_t>(run)]);
+    const auto count = values.cols() - values.row(run).array().isNaN().count();
+    root_weight.push_back(std::sqrt(static_cast<double>(count)));
+  }
+  const Eigen::Map<const Vector> weight(root_weight.data(),
+                                        static_cast<Eigen::Index>(root_weight.size()));
   const std::vector<Term> terms =
       candidate_terms(static_cast<int>(k), CandidateTerms::main_effects);
-  const Matrix all = model_matrix(coded, terms, blocks);
-  Matrix x(variance.runs, all.cols());
-  Vector y(variance.runs);
-  Eigen::Index row = 0;
-  for (Eigen::Index run = 0; run < values.rows(); ++run) {
-    const auto present = values.row(run).array().isNaN() == false;
-    const auto count = static_cast<double>(present.count());
-    if (count == 0.0) continue;
-    const double sum = present.select(values.row(run).array(), 0.0).sum();
-    x.row(row) = std::sqrt(count) * all.row(run);
-    y(row++) = std::sqrt(count) * (sum / count);
-  }
-  const LeastSquaresFit fit = fit_least_squares(x, y, column_names(terms, factors, blocks));
+  const LeastSquaresFit fit = fit_least_squares(
+      weight.asDiagonal() * model_matrix(coded(runs, Eigen::all), terms, used_blocks),
+      weight.cwiseProduct(result.run_means(runs)), column_names(terms, factors, used_blocks));
   for (Eigen::Index j = 0; j < k; ++j) {
     const double error = std::sqrt(fit.unscaled_covariance(j + 1, j + 1) * variance.within_ms);
     result.pooled_standard_error(j) = error;
@@ -213,6 +216,7 @@ ResponseScreening screen_response(const Matrix& coded, const std::vector<std::st
   ResponseScreening result;
   result.response = name;
   result.significant = result.p_values = Matrix::Zero(k, repetitions);
+  result.main_effect_count = Vector::Zero(k);
   for (Eigen::Index r = 0; r < repetitions; ++r) {
     const Repetition repetition = surviving_runs(coded, values.col(r), blocks);
     require_enough_runs(repetition, factors.size(), name, r);
@@ -232,6 +236,8 @@ ResponseScreening screen_response(const Matrix& coded, const std::vector<std::st
     for (int factor = 0; factor < k; ++factor) {
       result.p_values(factor, r) = p_of_factor(repetition, model, factor);
       result.significant(factor, r) = is_significant(model, factor, options.alpha) ? 1.0 : 0.0;
+      if (main_effect_is_significant(model, factor, options.alpha))
+        result.main_effect_count(factor) += 1.0;
     }
     result.models.push_back(std::move(model));
   }
@@ -244,7 +250,12 @@ ResponseScreening screen_response(const Matrix& coded, const std::vector<std::st
   result.run_means = run_means(values);
   result.variance = decompose_variance(values);
   result.signal = values.cols() > 1 ? signal_of(values) : SignalToRepetition{kNaN, kNaN};
-  pool(coded, values, factors, blocks, result);
+  try {
+    pool(coded, values, factors, blocks, result);
+  } catch (const InputError& error) {
+    throw InputError(
+        fmt::format("screening: response {}, all repetitions together: {}", name, error.what()));
+  }
   return result;
 }
 
@@ -264,6 +275,21 @@ void adjust_pooled_tests(std::vector<ResponseScreening>& responses, Eigen::Index
 }
 
 }  // namespace
+
+Vector run_means(const Matrix& values) {
+  Vector means(values.rows());
+  for (Eigen::Index run = 0; run < values.rows(); ++run) {
+    const auto present = values.row(run).array().isNaN() == false;
+    means(run) =
+        present.select(values.row(run).array(), 0.0).sum() / static_cast<double>(present.count());
+  }
+  return means;
+}
+
+bool is_stochastic(const VarianceDecomposition& variance) {
+  return !std::isnan(variance.p_value) &&
+         (variance.p_value >= 0.01 || variance.unbiased_share < 0.5);
+}
 
 Vector false_discovery_rates(const Vector& p) {
   std::vector<Eigen::Index> order;

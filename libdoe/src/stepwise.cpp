@@ -82,6 +82,10 @@ class Selection {
     while (true) {
       std::optional<StepwiseStep> step;
       const auto smaller = [](const StepwiseStep& a, const StepwiseStep& b) { return a.p < b.p; };
+      if (options_.direction == StepDirection::backward && sweep_of_model().is_exact()) {
+        strip_exact_model(result);
+        break;
+      }
       if (options_.direction != StepDirection::forward)
         step = first(leaving_steps(), [&](const auto& a, const auto& b) { return smaller(b, a); });
       if (step && !(step->p > p_leave_)) step.reset();
@@ -110,7 +114,9 @@ class Selection {
     double best = criterion_of_model();
     while (true) {
       if (sweep_of_model().is_exact()) {
-        result.termination = Termination::exact_fit;
+        strip_exact_model(result);
+        best_terms = terms_;
+        result.chosen = result.path.size();
         break;
       }
       std::vector<StepwiseStep> steps;
@@ -131,6 +137,29 @@ class Selection {
       result.chosen = result.path.size();
     }
     terms_ = best_terms;
+  }
+
+  /// The residual is rounding and p values mean nothing: takes out every term without which it
+  /// still is.
+  void strip_exact_model(StepwiseResult& result) {
+    result.termination = Termination::exact_fit;
+    for (bool found = true; found;) {
+      found = false;
+      for (const Term& term : std::vector<Term>(terms_.rbegin(), terms_.rend())) {
+        if (carries_others(term)) continue;
+        const std::vector<Term> before = terms_;
+        std::erase(terms_, term);
+        const Sweep sweep = sweep_of_model();
+        if (!sweep.is_exact()) {
+          terms_ = before;
+          continue;
+        }
+        StepwiseStep step{.action = Action::leave, .term = term, .p = 1.0};
+        set_criteria(step, sweep.residual_ss(), sweep.residual_df());
+        result.path.push_back(std::move(step));
+        found = true;
+      }
+    }
   }
 
   double criterion(const StepwiseStep& step) const {

@@ -21,15 +21,16 @@ class Sweep {
     for (Eigen::Index j = 0; j < columns.cols(); ++j) append(columns.col(j));
   }
 
-  const Matrix& basis() const { return basis_; }  ///< orthonormal
+  auto basis() const { return basis_.leftCols(columns_); }  ///< orthonormal
   const Vector& residual() const { return residual_; }
   double residual_ss() const { return residual_.squaredNorm(); }
   /// The residual is no more than rounding of y: tests against it mean nothing.
   bool is_exact() const { return residual_ss() <= negligible_ss_; }
-  int residual_df() const { return static_cast<int>(residual_.size() - basis_.cols()); }
+  int residual_df() const { return static_cast<int>(residual_.size() - columns_); }
 
  private:
-  Matrix basis_;
+  Matrix basis_;  // its first columns_ columns; the rest is room
+  Eigen::Index columns_ = 0;
   Vector residual_;
   double negligible_ss_ = 0.0;
 };

@@ -41,7 +41,14 @@ Room room_of(const Parameter& parameter, const std::vector<Parameter>& limits,
   Room room{options.most_half_ranges, options.most_half_ranges};
   const auto limit = std::find_if(limits.begin(), limits.end(),
                                   [&](const Parameter& p) { return p.name == parameter.name; });
-  if (limit == limits.end()) return room;
+  if (limit == limits.end()) {
+    if (parameter.scale == Scale::linear && parameter.lower >= 0.0) {
+      const double to_zero = -1.0 - coded(parameter, 0.0);
+      room.below_by_limit = to_zero < room.below;
+      room.below = std::min(room.below, to_zero);
+    }
+    return room;
+  }
   if (limit->lower > parameter.lower || limit->upper < parameter.upper)
     throw InputError(fmt::format(
         "target coverage: {} was screened from {} to {}, but its limits are {} to {}; widen them",
@@ -120,14 +127,16 @@ void check_options(const CoverageOptions& options) {
 
 /// Extends the ranges of the factors that are significant for a target outside the runs.
 void extend(ResponseCoverage& coverage, const ResponseScreening& response,
-            const std::vector<bool>& significant, const std::vector<Parameter>& parameters,
-            const std::vector<Room>& rooms, double margin, std::vector<ProposedRange>& ranges) {
+            const std::vector<bool>& significant, const std::vector<bool>& directed,
+            const std::vector<Parameter>& parameters, const std::vector<Room>& rooms, double margin,
+            std::vector<ProposedRange>& ranges) {
   const double way = coverage.position == Position::above ? 1.0 : -1.0;
   std::vector<double> slopes, room;
   std::vector<std::size_t> factors;
   for (std::size_t j = 0; j < parameters.size(); ++j) {
     const double effect = response.effect(static_cast<Eigen::Index>(j));
-    if (!significant[j] || effect == 0.0) continue;
+    coverage.undirected[j] = significant[j] && !directed[j];
+    if (!directed[j] || effect == 0.0) continue;
     coverage.direction[j] = way * effect > 0.0 ? 1 : -1;
     factors.push_back(j);
     slopes.push_back(std::abs(effect));
@@ -162,6 +171,15 @@ TargetCoverage cover_targets(const Screening& screening, const std::vector<Targe
   if (ranges.names() != screening.factors)
     throw InputError(fmt::format("target coverage: ranges of {} for a screening of {}",
                                  listed(ranges.names()), listed(screening.factors)));
+  for (const Parameter& limit : limits)
+    if (std::find(screening.factors.begin(), screening.factors.end(), limit.name) ==
+        screening.factors.end()) {
+      const std::string near = closest_name(limit.name, screening.factors);
+      throw InputError(fmt::format("target coverage: limits of {}, which is no factor{}",
+                                   limit.name,
+                                   near.empty() ? "; the factors are " + listed(screening.factors)
+                                                : "; did you mean " + near + "?"));
+    }
   std::vector<Room> rooms;
   TargetCoverage result;
   for (const Parameter& parameter : parameters) {
@@ -171,16 +189,19 @@ TargetCoverage cover_targets(const Screening& screening, const std::vector<Targe
   }
   for (const Target& target : targets) {
     const ResponseScreening& response = response_named(screening, target.response);
-    if (!std::isfinite(target.value) || !(target.tolerance >= 0.0))
+    if (!std::isfinite(target.value) ||
+        !(target.tolerance >= 0.0 && std::isfinite(target.tolerance)))
       throw InputError(
           fmt::format("target coverage: the target of {} is {} +- {}; it must be "
                       "finite, the tolerance 0 or more",
                       target.response, target.value, target.tolerance));
     ResponseCoverage coverage{.target = target,
-                              .direction = std::vector<int>(parameters.size(), 0)};
+                              .direction = std::vector<int>(parameters.size(), 0),
+                              .undirected = std::vector<bool>(parameters.size(), false)};
     place(coverage, response);
     if (coverage.position != Position::inside)
       extend(coverage, response, vote({response.count}, screening.repetitions, options.vote_share),
+             vote({response.main_effect_count}, screening.repetitions, options.vote_share),
              parameters, rooms, options.margin, result.ranges);
     result.responses.push_back(std::move(coverage));
   }

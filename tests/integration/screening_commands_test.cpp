@@ -1,6 +1,7 @@
 // The commands around screening designs as a user meets them: design check, screen, variance.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -249,7 +250,8 @@ TEST(ScreenCommand, TellsWhichTargetsLieOutsideTheRunsAndWhereToMove) {
       "repose", "screen runs.csv --response angle,flow/1 --replicate repetition --target angle=40");
   EXPECT_NE(inside.out.find("enclosed"), std::string::npos) << inside.out;
   EXPECT_EQ(inside.out.find("Proposed ranges"), std::string::npos);
-  for (const char* wrong : {"angle", "angle=", "angle=a", "angle=41+-", "angle=41+-b", "mass=1"})
+  for (const char* wrong : {"angle", "angle=", "angle=a", "angle=41+-", "angle=41+-b", "mass=1",
+                            "angle=46+-inf", "angle=0x30"})
     EXPECT_EQ(bench
                   .run("repose",
                        "screen runs.csv --response angle,flow/1 --replicate repetition "
@@ -295,6 +297,44 @@ TEST(ScreenCommand, SaysWhenTheSearchOfTheTwoStageAnalysisWasCutShort) {
   EXPECT_EQ(said.code, 0) << said.err;
   expect_readable(said.out);
   EXPECT_NE(said.out.find("raise --budget"), std::string::npos) << said.out;
+}
+
+TEST(ScreenCommand, FindsRepetitionsByTheirNameAndIgnoresBlocksThatAreRepetitions) {
+  const Workbench bench;
+  write_screening_table(bench);
+  const auto result = json::parse(
+      bench.run("repose", "screen runs.csv --response angle,flow/1 --block repetition --json").out);
+  EXPECT_EQ(result["repetitions"].size(), 5u);
+  EXPECT_EQ(result["runs"], 37);
+  EXPECT_FALSE(result.contains("blocks"));
+  EXPECT_EQ(result["terms"], "main");
+  EXPECT_EQ(result["ranges"][0]["upper"], 1.0);
+}
+
+TEST(ScreenCommand, PrintsLongAndForeignNamesWithin100Columns) {
+  const Workbench bench;
+  write_screening_table(bench);
+  auto table = table::read_table({bench / "runs.csv", ""}, table::Missing::allow);
+  table::Table renamed;
+  for (auto c : table.columns()) {
+    if (c.name.rfind("mu_", 0) == 0) c.name = "Reibungskoeffizient_µµµµµµµ_" + c.name;
+    if (c.name == "angle")
+      for (double& value : std::get<std::vector<double>>(c.values)) value *= -1e-5;
+    renamed.add(c);
+  }
+  table::write_table({bench / "long.csv", ""}, renamed);
+  const auto said = bench.run("repose",
+                              "screen long.csv --response angle,flow/1 --terms second-order "
+                              "--target angle=-1 --anova 2");
+  EXPECT_EQ(said.code, 0) << said.err;
+  std::istringstream lines(said.out);
+  for (std::string line; std::getline(lines, line);)
+    EXPECT_LE(
+        std::count_if(line.begin(), line.end(), [](unsigned char c) { return (c & 0xC0) != 0x80; }),
+        100)
+        << line;
+  EXPECT_NO_THROW(json(said.out).dump());                  // refuses text that is not UTF-8
+  EXPECT_NE(said.out.find("mu_s_pp"), std::string::npos);  // the end of a name tells them apart
 }
 
 TEST(ScreenCommand, KeepsBlocksInEveryModel) {
@@ -343,6 +383,10 @@ TEST(ScreenCommand, SaysWhatItCannotAnalyse) {
   expect_refused("runs.csv --response angle --replicate flow/1", "flow/1");
   EXPECT_EQ(bench.run("repose", "screen runs.csv --response angle --alpha 2").code, 2);
   EXPECT_EQ(bench.run("repose", "screen runs.csv --response angle --method jmp").code, 2);
+  // Options that would do nothing.
+  EXPECT_EQ(bench.run("repose", "screen runs.csv --response angle --ranges moved.toml").code, 2);
+  EXPECT_EQ(
+      bench.run("repose", "screen runs.csv --response angle --method fit-dsd --stop bic").code, 2);
 }
 
 TEST(VarianceCommand, DecomposesTheWorkedExample) {

@@ -162,6 +162,20 @@ TEST(RegressionDiagnostics, OfAnOrthogonalDesignHaveNoInflation) {
   EXPECT_TRUE(d.variance_inflation.tail(12).isApprox(Vector::Ones(12), 1e-13));
 }
 
+TEST(RegressionDiagnostics, OfAnyConstantResponseHaveNoPredictedShare) {
+  for (const double value : {0.1, 12.9, 1.0 / 3.0}) {
+    const auto d = diagnose_regression(Matrix::Ones(13, 1), Vector::Constant(13, value));
+    EXPECT_TRUE(std::isnan(d.predicted_r_squared)) << value;
+  }
+}
+
+TEST(LeastSquares, RefusesAResponseWhoseSquareNoDoubleHolds) {
+  const Matrix x = random_matrix(9, 2, 5);
+  EXPECT_THROW(fit_least_squares(x, 1e-200 * random_matrix(9, 1, 6)), InputError);
+  EXPECT_THROW(fit_least_squares(x, 1e200 * random_matrix(9, 1, 6)), InputError);
+  EXPECT_NO_THROW(fit_least_squares(x, Vector::Zero(9)));
+}
+
 TEST(RegressionDiagnostics, SayThatARowWhichAloneDeterminesACoefficientCannotBeLeftOut) {
   Matrix x = Matrix::Zero(6, 2);
   x.col(0).setOnes();
@@ -180,7 +194,7 @@ TEST(LackOfFitTest, SplitsTheResidualAtRepeatedRuns) {
   x.col(1) << 0, 0, 1, 1, 1, 2, 3;
   Vector y(7);
   y << 1, 3, 2, 4, 6, 9, 2;
-  const LackOfFit test = lack_of_fit(x, y);
+  const LackOfFit test = lack_of_fit(x, y, x);
   EXPECT_NEAR(test.pure_ss, 2.0 + 8.0, 1e-13);
   EXPECT_EQ(test.pure_df, 3);
   EXPECT_EQ(test.lack_df, 2);
@@ -188,7 +202,12 @@ TEST(LackOfFitTest, SplitsTheResidualAtRepeatedRuns) {
   EXPECT_NEAR(test.lack_ss, residual - 10.0, 1e-12);
   EXPECT_NEAR(test.f, (residual - 10.0) / 2.0 / (10.0 / 3.0), 1e-12);
   EXPECT_NEAR(test.p, f_upper_tail(test.f, 2.0, 3.0), 1e-14);
-  EXPECT_TRUE(std::isnan(lack_of_fit(x.bottomRows(3), y.tail(3)).p));  // nothing repeated
+  EXPECT_TRUE(std::isnan(lack_of_fit(x.bottomRows(3), y.tail(3), x.bottomRows(3)).p));
+  // Rows alike in the model that differ in a factor left out are no repeats.
+  Matrix points(7, 2);
+  points << x.col(1), Vector::LinSpaced(7, 0.0, 6.0);
+  EXPECT_EQ(lack_of_fit(x, y, points).pure_df, 0);
+  EXPECT_THROW(lack_of_fit(x, y, points.topRows(3)), InputError);
 }
 
 TEST(InformationCriteriaTest, AreMinusTwiceTheLogLikelihoodPlusTheirPenalties) {

@@ -23,6 +23,9 @@ TEST(CohensD, IsTheDifferenceOfMeansOverTheRootMeanVariance) {
   EXPECT_NEAR(cohens_d(vector_of({1, 2, 3}), vector_of({3, 5, 7})), -3.0 / std::sqrt(2.5), 1e-15);
   EXPECT_TRUE(std::isinf(cohens_d(vector_of({1, 1}), vector_of({2, 2}))));
   EXPECT_TRUE(std::isnan(cohens_d(vector_of({1, 1}), vector_of({1, 1}))));
+  // Three tenths are not exact in binary, nor is their mean.
+  EXPECT_TRUE(std::isinf(cohens_d(Vector::Constant(3, 0.1), Vector::Constant(3, 0.2))));
+  EXPECT_TRUE(std::isnan(correlation(Vector::Constant(3, 0.1), vector_of({1, 2, 3})).pearson));
   EXPECT_THROW(cohens_d(vector_of({1}), vector_of({1, 2})), InputError);
   EXPECT_THROW(cohens_d(vector_of({1, NAN}), vector_of({1, 2})), InputError);
 }
@@ -34,11 +37,11 @@ TEST(CoefficientOfVariation, DividesByNMinusOneOrByN) {
   EXPECT_TRUE(std::isinf(coefficient_of_variation(vector_of({-1, 1})).sample));
 }
 
-TEST(Correlation, OfALineIsOneAndOfTheWorkedExampleSevenTenths) {
+TEST(Correlation, OfALineIsOneAndOfTheWorkedExampleEightTenths) {
   const Vector x = Vector::LinSpaced(5, 0.0, 4.0);
   EXPECT_NEAR(correlation(x, 3.0 - 2.0 * x.array()).pearson, -1.0, 1e-15);
   EXPECT_NEAR(correlation(x, 3.0 - 2.0 * x.array()).p, 0.0, 1e-12);
-  // sum dx dy = 7, sum dx^2 = sum dy^2 = 10; t = 0.7 sqrt(3/0.51).
+  // sum dx dy = 8, sum dx^2 = sum dy^2 = 10.
   const auto c = correlation(vector_of({1, 2, 3, 4, 5}), vector_of({2, 1, 3, 5, 4}));
   EXPECT_NEAR(c.pearson, 0.8, 1e-15);
   // P(|T| > t; 3) = 1 - 2/pi (atan(t/sqrt3) + sqrt3 t/(t^2 + 3)), t = 0.8 sqrt(3/0.36).
@@ -83,6 +86,12 @@ TEST(SignalToRepetition, OfPureNoiseIsItsFloorAndNotOne) {
     const auto signal = signal_to_repetition(test::random_matrix(20000, repetitions, 21));
     EXPECT_NEAR(signal.alpha, signal.floor, 0.015) << repetitions;
   }
+}
+
+TEST(SignalToRepetition, IsInfiniteIfRepetitionsAgreeExactly) {
+  Matrix values(3, 3);
+  values << 0.1, 0.1, 0.1, 0.2, 0.2, 0.2, 0.3, 0.3, 0.3;
+  EXPECT_TRUE(std::isinf(signal_to_repetition(values).alpha));
 }
 
 TEST(SignalToRepetition, LeavesMissingValuesOut) {

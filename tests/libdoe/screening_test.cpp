@@ -260,6 +260,43 @@ TEST(Screening, WithBlocksSeesThroughTheirLevels) {
   EXPECT_THROW(screen(x, letters(6), {"angle"}, {values}, {}, {1, 2}), InputError);
 }
 
+TEST(Screening, PoolsNothingOfRepetitionsThatAgreeExactly) {
+  const Matrix x = definitive_screening_design(6).coded;
+  const Vector exact = 41.3 + 2.1 * x.col(1).array() - 0.7 * x.col(4).array();
+  const Matrix noise = noisy(Vector::Zero(x.rows()), 3, 1.0, 5);
+  const auto alone = screen(x, letters(6), {"noise"}, {noise});
+  const auto result = screen(x, letters(6), {"exact", "constant", "noise"},
+                             {exact.replicate(1, 3), Matrix::Constant(x.rows(), 3, 12.9), noise});
+  for (int r : {0, 1})
+    EXPECT_TRUE(result.responses[static_cast<std::size_t>(r)].pooled_p_value.array().isNaN().all());
+  // They are no part of the family of tests.
+  EXPECT_EQ(result.responses[2].false_discovery_rate, alone.responses[0].false_discovery_rate);
+  EXPECT_EQ(result.selected, (std::vector<bool>{false, true, false, false, true, false}));
+}
+
+TEST(Screening, GoesOnWithoutABlockThatFailedAltogether) {
+  const Matrix x = definitive_screening_design(6).coded;
+  std::vector<int> blocks(static_cast<std::size_t>(x.rows()), 1);
+  Matrix values = noisy(2.0 * x.col(3), 3, 0.5, 9);
+  for (const Eigen::Index run : {2, 5}) {
+    blocks[static_cast<std::size_t>(run)] = 2;
+    values.row(run).setConstant(std::nan(""));
+  }
+  const auto result = screen(x, letters(6), {"angle"}, {values}, {}, blocks);
+  EXPECT_TRUE(result.selected[3]);
+  EXPECT_LT(result.responses[0].pooled_p_value(3), 1e-6);
+}
+
+TEST(Screening, KeepsBothStagesOfTheTwoStageAnalysis) {
+  const Matrix x = definitive_screening_design(6).coded;
+  const Matrix values = noisy(2.0 * x.col(3), 3, 0.5, 9);
+  const auto result = screen(x, letters(6), {"angle"}, {values}, {.method = Method::fit_dsd});
+  const auto direct = fit_definitive_screening(x, values.col(1), letters(6));
+  ASSERT_TRUE(result.responses[0].models[1].two_stage.has_value());
+  EXPECT_EQ(result.responses[0].models[1].two_stage->stage1_sigma, direct.stage1_sigma);
+  EXPECT_FALSE(screen(x, letters(6), {"angle"}, {values}).responses[0].models[0].two_stage);
+}
+
 TEST(Screening, DiagnosesItsFinalModels) {
   const Matrix x = definitive_screening_design(6).coded;
   Matrix values = noisy(2.0 * x.col(3) + x.col(1), 3, 0.5, 9);

@@ -256,6 +256,24 @@ TEST(Stepwise, OfAConstantResponseHasNoTerms) {
   EXPECT_TRUE(result.terms.empty());
 }
 
+TEST(Stepwise, BackwardLeavesNothingOfAConstantAndOnlyTheTruthOfAnExactResponse) {
+  const Matrix coded = definitive_screening_design(6).coded;
+  const std::vector<std::string> factors{"a", "b", "c", "d", "e", "f"};
+  const auto terms = candidate_terms(6, CandidateTerms::main_effects);
+  for (const auto stop : {StoppingRule::p_value, StoppingRule::aicc, StoppingRule::bic}) {
+    const StepwiseOptions options{.stop = stop, .direction = StepDirection::backward};
+    for (const double value : {0.0, 5.0, 0.1})
+      EXPECT_TRUE(
+          stepwise_regression(coded, Vector::Constant(coded.rows(), value), factors, terms, options)
+              .terms.empty())
+          << value;
+    const Vector exact = 41.3 + 2.1 * coded.col(1).array() - 0.7 * coded.col(4).array();
+    const StepwiseResult result = stepwise_regression(coded, exact, factors, terms, options);
+    EXPECT_EQ(result.terms, (std::vector<Term>{main_effect(1), main_effect(4)}));
+    EXPECT_EQ(result.termination, StepwiseResult::Termination::exact_fit);
+  }
+}
+
 TEST(Stepwise, RefusesWhatItCannotAnalyse) {
   const Matrix coded = definitive_screening_design(3).coded;
   const Vector y = Vector::LinSpaced(coded.rows(), 0.0, 1.0);

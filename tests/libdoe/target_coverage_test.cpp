@@ -83,6 +83,30 @@ TEST_F(Coverage, LeavesTheRestToOthersWhereAFactorMeetsItsLimit) {
   EXPECT_NEAR(coverage.responses[0].still_missing, 0.0, 1e-12);
 }
 
+TEST_F(Coverage, DoesNotMakeNegativeWhatWasScreenedAtPositiveValues) {
+  // a would fall by two half ranges, to -0.2.
+  const auto coverage = cover(10.0, 0.0, {}, {.margin = 0.0, .most_half_ranges = 2.0});
+  EXPECT_NEAR(coverage.ranges[0].lower, 0.0, 1e-15);
+  EXPECT_TRUE(coverage.ranges[0].at_limit);
+  const auto allowed = cover(10.0, 0.0, {{.name = "a", .lower = -1.0, .upper = 1.0}},
+                             {.margin = 0.0, .most_half_ranges = 2.0});
+  EXPECT_LT(allowed.ranges[0].lower, -0.1);
+}
+
+// y = 40 + 6 a^2 + 3 b: a matters, but its main effect is noise and says nothing about the way.
+TEST_F(Coverage, DoesNotMoveAFactorByTheSignOfAnInsignificantMainEffect) {
+  const Matrix x = definitive_screening_design(6).coded;
+  const Vector mean = 40.0 + 6.0 * x.col(0).array().square() + 3.0 * x.col(1).array();
+  const Matrix y = (0.1 * test::random_matrix(x.rows(), 3, 7)).colwise() + mean;
+  const Screening curved = screen(x, {"a", "b", "c", "d", "e", "f"}, {"y"}, {y});
+  ASSERT_TRUE(curved.selected[0]);
+  const auto coverage = cover_targets(curved, {{"y", 30.0, 0.0}}, ranges);
+  EXPECT_EQ(coverage.responses[0].direction[0], 0);
+  EXPECT_TRUE(coverage.responses[0].undirected[0]);
+  EXPECT_EQ(coverage.responses[0].direction[1], -1);
+  EXPECT_EQ(coverage.ranges[0].lower, 0.2);
+}
+
 TEST_F(Coverage, SaysWhatIsStillMissingBeyondTheLargestExtension) {
   const auto coverage = cover(40.0, 0.0);  // gap 7, one half range of each gives 3
   EXPECT_NEAR(coverage.responses[0].still_missing, 4.0, 0.1);
@@ -104,6 +128,8 @@ TEST_F(Coverage, RefusesWhatDoesNotFit) {
   EXPECT_THROW(cover(NAN, 0.0), InputError);
   EXPECT_THROW(cover(30.0, -1.0), InputError);
   EXPECT_THROW(cover(34.0, 0.0, {{.name = "a", .lower = 0.3, .upper = 0.9}}), InputError);
+  EXPECT_THROW(cover(34.0, INFINITY), InputError);
+  EXPECT_THROW(cover(34.0, 0.0, {{.name = "A", .lower = 0.0, .upper = 0.9}}), InputError);
   EXPECT_THROW(cover(34.0, 0.0, {}, {.margin = -0.1}), InputError);
   EXPECT_THROW(cover(34.0, 0.0, {}, {.most_half_ranges = 0.0}), InputError);
   EXPECT_THROW(cover_targets(screening, {}, ParameterSpace({{.name = "a"}})), InputError);

@@ -24,11 +24,28 @@ std::string directions(const ScreeningReport& report, const ResponseCoverage& co
   for (std::size_t j = 0; j < coverage.direction.size(); ++j)
     if (coverage.direction[j] != 0)
       (coverage.direction[j] > 0 ? up : down).push_back(report.screening.factors[j]);
-  if (up.empty() && down.empty()) return "no factor is significant: there is nothing to move";
+  std::vector<std::string> unclear;
+  for (std::size_t j = 0; j < coverage.undirected.size(); ++j)
+    if (coverage.undirected[j]) unclear.push_back(report.screening.factors[j]);
+  if (up.empty() && down.empty() && unclear.empty())
+    return "no factor is significant: there is nothing to move";
   std::string text;
   if (!up.empty()) text += "raise " + listed(up);
   if (!down.empty()) text += (text.empty() ? "lower " : "; lower ") + listed(down);
+  if (!unclear.empty())
+    text += (text.empty() ? "" : "; ") + listed(unclear) +
+            (unclear.size() == 1 ? " matters" : " matter") +
+            " through second-order terms only, which way is unknown";
   return text;
+}
+
+/// Which limits are in the way.
+std::string limits_text(const ScreeningReport& report, const ResponseCoverage& coverage) {
+  std::vector<std::string> names;
+  for (std::size_t j = 0; j < coverage.direction.size(); ++j)
+    if (coverage.direction[j] != 0 && report.coverage->ranges[j].at_limit)
+      names.push_back(report.screening.factors[j]);
+  return names.empty() ? "" : ": limits hold " + listed(names);
 }
 
 std::string response_text(const ScreeningReport& report, const ResponseCoverage& coverage) {
@@ -40,10 +57,12 @@ std::string response_text(const ScreeningReport& report, const ResponseCoverage&
                   : coverage.position == Position::above ? "ABOVE all runs"
                                                          : "BELOW all runs");
   if (coverage.position != Position::inside) {
-    text += fmt::format("    {}\n", directions(report, coverage));
+    text += wrapped(directions(report, coverage), 4);
     if (coverage.still_missing > 1e-9 * coverage.gap)
-      text += fmt::format("    the proposed ranges leave {:.3g} of {:.3g} missing\n",
-                          coverage.still_missing, coverage.gap);
+      text +=
+          wrapped(fmt::format("the proposed ranges leave {:.3g} of {:.3g} missing{}",
+                              coverage.still_missing, coverage.gap, limits_text(report, coverage)),
+                  4);
   }
   if (coverage.stochastic)
     text += "    this KPI cannot calibrate: chance moves it more than the parameters do\n";
@@ -75,22 +94,27 @@ nlohmann::json coverage_json(const ScreeningReport& report) {
   using Position = ResponseCoverage::Position;
   nlohmann::json targets = nlohmann::json::array(), ranges = nlohmann::json::array();
   for (const auto& coverage : report.coverage->responses) {
-    nlohmann::json direction = nlohmann::json::object();
+    nlohmann::json direction = nlohmann::json::object(), undirected = nlohmann::json::array();
     for (std::size_t j = 0; j < coverage.direction.size(); ++j)
       if (coverage.direction[j] != 0)
         direction[report.screening.factors[j]] = coverage.direction[j] > 0 ? "raise" : "lower";
-    targets.push_back({{"response", coverage.target.response},
-                       {"value", coverage.target.value},
-                       {"tolerance", coverage.target.tolerance},
-                       {"lowest_run", coverage.lowest},
-                       {"highest_run", coverage.highest},
-                       {"position", coverage.position == Position::inside  ? "inside"
-                                    : coverage.position == Position::above ? "above"
-                                                                           : "below"},
-                       {"gap", coverage.gap},
-                       {"still_missing", coverage.still_missing},
-                       {"can_calibrate", !coverage.stochastic},
-                       {"move", direction}});
+      else if (coverage.undirected[j])
+        undirected.push_back(report.screening.factors[j]);
+    targets.push_back(
+        {{"response", coverage.target.response},
+         {"value", coverage.target.value},
+         {"tolerance", coverage.target.tolerance},
+         {"lowest_run", coverage.lowest},
+         {"highest_run", coverage.highest},
+         {"position", coverage.position == Position::inside  ? "inside"
+                      : coverage.position == Position::above ? "above"
+                                                             : "below"},
+         {"gap", coverage.gap},
+         {"still_missing", coverage.still_missing},
+         {"can_calibrate", report.repetitions.size() > 1 ? nlohmann::json(!coverage.stochastic)
+                                                         : nlohmann::json(nullptr)},
+         {"move", direction},
+         {"direction_unknown", undirected}});
   }
   for (const auto& range : report.coverage->ranges)
     ranges.push_back({{"factor", range.factor},
@@ -103,13 +127,13 @@ nlohmann::json coverage_json(const ScreeningReport& report) {
   return {{"targets", targets}, {"ranges", ranges}};
 }
 
-std::string factors_toml(const doe::TargetCoverage& coverage,
-                         const std::vector<Parameter>& screened) {
+std::string factors_toml(const ScreeningReport& report) {
+  const auto& ranges = report.coverage->ranges;
   std::string text = "[parameters]\n";
-  for (std::size_t j = 0; j < screened.size(); ++j) {
-    const auto& p = screened[j];
+  for (std::size_t j = 0; j < ranges.size(); ++j) {
+    const auto& p = report.screened[j];
     text += fmt::format("{} = {{ lower = {}, upper = {}", toml_quoted(p.name),
-                        shortest(coverage.ranges[j].lower), shortest(coverage.ranges[j].upper));
+                        shortest(ranges[j].lower), shortest(ranges[j].upper));
     if (p.scale == Scale::log) text += ", scale = \"log\"";
     if (!p.unit.empty() && p.unit != "1") text += ", unit = " + toml_quoted(p.unit);
     text += " }\n";

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <map>
+#include <set>
 
 #include "command.hpp"
 #include "design_columns.hpp"
@@ -30,14 +32,19 @@ struct ScreenOptions {
   std::string anova;
   std::vector<std::string> targets;
   std::string limits, ranges;
+  doe::CoverageOptions coverage;
   std::string plots;
   doe::ScreeningOptions analysis;
 };
 
-/// The column that numbers repetitions: the one named, else the one with that role, else none.
+/// The column that numbers repetitions: the one named, else the one with that role, else the one
+/// with a customary name, else none.
 std::string replicate_column(const table::Table& table, const std::string& named) {
   if (!named.empty()) return named;
-  const auto names = table.names_with_role(table::Role::replicate);
+  auto names = table.names_with_role(table::Role::replicate);
+  if (names.empty())
+    for (const auto& name : table.names())
+      if (name == "repetition" || name == "replicate" || name == "rep") names.push_back(name);
   if (names.size() > 1)
     throw InputError(fmt::format("the columns {} all number repetitions; choose with --replicate",
                                  listed(names)));
@@ -149,13 +156,20 @@ doe::ScreeningOptions analysis_options(const ScreenOptions& options) {
   return analysis;
 }
 
-/// The block of each row; empty if the table has none.
-std::vector<int> block_numbers(const table::Table& table, const std::string& named) {
+/// The block of each row; empty if the table has none, or if blocks are repetitions: those are
+/// analysed apart as it is.
+std::vector<int> block_numbers(const table::Table& table, const std::string& named,
+                               const std::vector<std::string>& repetitions) {
   const auto names = table.names();
   if (named.empty() && std::find(names.begin(), names.end(), "block") == names.end()) return {};
   std::vector<int> blocks;
   for (const auto block : table.integers(named.empty() ? "block" : named))
     blocks.push_back(static_cast<int>(block));
+  std::map<std::string, std::set<int>> of_repetition;
+  for (std::size_t i = 0; i < blocks.size(); ++i) of_repetition[repetitions[i]].insert(blocks[i]);
+  if (std::all_of(of_repetition.begin(), of_repetition.end(),
+                  [](const auto& entry) { return entry.second.size() == 1; }))
+    return {};
   return blocks;
 }
 
@@ -167,14 +181,11 @@ doe::Target target_of(const std::string& text) {
         text));
   };
   const auto number = [&](const std::string& part) {
-    std::size_t end = 0;
-    double value = 0.0;
-    try {
-      value = std::stod(part, &end);
-    } catch (const std::exception&) {
+    char* end = nullptr;
+    const double value = std::strtod(part.c_str(), &end);
+    if (part.find_first_not_of("0123456789.eE+-") != std::string::npos || part.empty() ||
+        end != part.c_str() + part.size() || !std::isfinite(value))
       refuse();
-    }
-    if (end != part.size()) refuse();
     return value;
   };
   const auto equals = text.find('=');
@@ -203,19 +214,20 @@ std::vector<Parameter> screened_ranges(const CodedDesign& design, const table::T
   return parameters;
 }
 
-void cover(const ScreenOptions& options, const std::vector<Parameter>& screened,
+void cover(const ScreenOptions& options, const std::vector<doe::Target>& targets,
            ScreeningReport& report) {
-  std::vector<doe::Target> targets;
-  for (const auto& text : options.targets) targets.push_back(target_of(text));
   std::vector<Parameter> limits;
   if (!options.limits.empty()) limits = read_factors(options.limits).parameters();
-  report.coverage = doe::cover_targets(report.screening, targets, ParameterSpace(screened), limits,
-                                       {.vote_share = report.options.vote_share});
-  if (!options.ranges.empty())
-    write_file_atomically(options.ranges, factors_toml(*report.coverage, screened));
+  auto coverage = options.coverage;
+  coverage.vote_share = report.options.vote_share;
+  report.coverage = doe::cover_targets(report.screening, targets, ParameterSpace(report.screened),
+                                       limits, coverage);
+  if (!options.ranges.empty()) write_file_atomically(options.ranges, factors_toml(report));
 }
 
 void screen(const ScreenOptions& options) {
+  std::vector<doe::Target> targets;
+  for (const auto& text : options.targets) targets.push_back(target_of(text));
   const auto table = table::read_table(table::parse_location(options.table), table::Missing::allow);
   const auto responses = response_columns(table, options.responses);
   const auto replicate = replicate_column(table, options.replicate);
@@ -223,15 +235,16 @@ void screen(const ScreenOptions& options) {
   if (!replicate.empty()) others.push_back(replicate);
   if (!options.block.empty()) others.push_back(options.block);
   const auto design = coded_design(table, options.factors, others);
-  const auto runs = sort_rows(design.coded,
-                              replicate.empty() ? std::vector<std::string>(table.rows(), "1")
-                                                : row_labels(table, replicate),
-                              block_numbers(table, options.block));
+  const auto repetitions = replicate.empty() ? std::vector<std::string>(table.rows(), "1")
+                                             : row_labels(table, replicate);
+  const auto runs =
+      sort_rows(design.coded, repetitions, block_numbers(table, options.block, repetitions));
   ScreeningReport report{.table = options.table,
                          .repetitions = runs.repetitions,
                          .coded = runs.coded,
                          .values = {},
                          .blocks = runs.blocks,
+                         .screened = screened_ranges(design, table),
                          .options = analysis_options(options),
                          .anova = {},
                          .screening = {},
@@ -241,7 +254,7 @@ void screen(const ScreenOptions& options) {
     report.values.push_back(response_values(runs, table.numbers(name)));
   report.screening = doe::screen(report.coded, design.names(), responses, report.values,
                                  report.options, report.blocks);
-  if (!options.targets.empty()) cover(options, screened_ranges(design, table), report);
+  if (!targets.empty()) cover(options, targets, report);
   std::vector<std::filesystem::path> plots;
   if (!options.plots.empty()) plots = write_screening_plots(report, options.plots);
   if (options.common.json) {
@@ -253,6 +266,17 @@ void screen(const ScreenOptions& options) {
   fmt::print("{}", screening_text(report));
   if (!plots.empty()) fmt::print("\n{} figures in {}\n", plots.size(), options.plots);
   if (!options.ranges.empty()) fmt::print("\nproposed ranges in {}\n", options.ranges);
+}
+
+/// An option that would do nothing is a mistake.
+void refuse_options_of_the_other_method(const CLI::App& command, const std::string& method) {
+  const std::vector<std::string> stepwise{"--terms", "--leave", "--stop", "--direction", "--rule"};
+  const std::vector<std::string> two_stage{"--alpha-1df",    "--alpha-2df",    "--alpha-more",
+                                           "--alpha-second", "--interactions", "--quadratics",
+                                           "--budget"};
+  for (const auto& name : method == "stepwise" ? two_stage : stepwise)
+    if (command.count(name) > 0)
+      throw CLI::ValidationError(name, "has no meaning for --method " + method);
 }
 
 /// Thresholds of the two-stage analysis.
@@ -301,7 +325,8 @@ void add_screen(CLI::App& app) {
                    "columns to explain; those with the role response\nunless given")
       ->delimiter(',');
   command->add_option("--replicate", o->replicate,
-                      "column that numbers the repetitions; the one with\nthat role unless given");
+                      "column that numbers the repetitions; unless given the\none with that role, "
+                      "or called repetition, replicate\nor rep");
   add_factor_options(*command, o->factors);
   command->add_option("--method", o->method, "stepwise or fit-dsd (the two-stage analysis)")
       ->capture_default_str()
@@ -352,12 +377,27 @@ void add_screen(CLI::App& app) {
                    "RESPONSE=VALUE[+-TOLERANCE], measured: do the runs\nenclose it, and if not, "
                    "which way must ranges move?")
       ->delimiter(',');
-  command->add_option("--limits", o->limits,
-                      "factors file with what is physically possible, for\n--target");
-  command->add_option("--ranges", o->ranges,
-                      "factors file to write with the ranges that --target\nproposes");
+  command->add_option("--limits", o->limits, "factors file with what is physically possible")
+      ->needs("--target");
+  command->add_option("--ranges", o->ranges, "factors file to write with the proposed ranges")
+      ->needs("--target");
+  command
+      ->add_option("--margin", o->coverage.margin,
+                   "share by which ranges are extended further than a\nlinear model asks for")
+      ->capture_default_str()
+      ->needs("--target")
+      ->check(CLI::Range(0.0, 100.0));
+  command
+      ->add_option("--most", o->coverage.most_half_ranges,
+                   "half ranges by which a side is extended at most")
+      ->capture_default_str()
+      ->needs("--target")
+      ->check(CLI::Range(1e-6, 1000.0));
   command->add_option("--plots", o->plots, "folder for half-normal and main-effect plots (SVG)");
-  command->callback([o] { screen(*o); });
+  command->callback([o, command] {
+    refuse_options_of_the_other_method(*command, o->method);
+    screen(*o);
+  });
 }
 
 }  // namespace repose::cli

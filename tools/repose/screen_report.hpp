@@ -20,6 +20,7 @@ struct ScreeningReport {
   Matrix coded;                          ///< runs x factors
   std::vector<Matrix> values;            ///< of each response, runs x repetitions
   std::vector<int> blocks;               ///< of the runs; empty without
+  std::vector<Parameter> screened;       ///< the factors' ranges
   doe::ScreeningOptions options;
   std::optional<doe::SumsOfSquares> anova;  ///< of the final models, to be shown
   doe::Screening screening;
@@ -36,16 +37,19 @@ nlohmann::json screening_json(const ScreeningReport& report);
 std::string coverage_text(const ScreeningReport& report);
 nlohmann::json coverage_json(const ScreeningReport& report);
 /// The proposed ranges as a factors file.
-std::string factors_toml(const doe::TargetCoverage& coverage,
-                         const std::vector<Parameter>& screened);
+std::string factors_toml(const ScreeningReport& report);
 /// Analysis of variance of one repetition's final model.
 std::vector<doe::AnovaRow> final_anova(const ScreeningReport& report, std::size_t response,
                                        std::size_t repetition, doe::SumsOfSquares type);
 /// "-" for NaN.
 std::string p_text(double p);
 std::string number_text(double value);
-/// Long names end in "...".
+std::string percent_text(double share, int digits);
+/// Long names lose their middle.
 std::string clipped(const std::string& name);
+/// Lines of at most 100 columns, indented, with a line end.
+std::string wrapped(const std::string& text, std::size_t indent);
+std::vector<std::string> selected_names(const doe::Screening& screening);
 /// The fields of a decomposition as the commands name them.
 nlohmann::json variance_json(const doe::VarianceDecomposition& variance);
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "repose/base/text.hpp"
 #include "screen_report.hpp"
@@ -12,12 +13,18 @@ namespace {
 
 using doe::ResponseScreening;
 
-constexpr std::size_t kWidestName = 24;
-constexpr std::size_t kColumns = 100, kModelWidth = 18;
+constexpr std::size_t kWidestName = 22;
+constexpr std::size_t kColumns = 100, kModelWidth = 20;
 
+/// Characters of the longest name as it is printed.
 std::size_t width_of(const std::vector<std::string>& names) {
   std::size_t width = 8;
-  for (const auto& name : names) width = std::max(width, std::min(name.size(), kWidestName));
+  for (const auto& name : names) {
+    const std::string shown = clipped(name);
+    width = std::max(width, static_cast<std::size_t>(
+                                std::count_if(shown.begin(), shown.end(),
+                                              [](unsigned char c) { return (c & 0xC0) != 0x80; })));
+  }
   return width;
 }
 
@@ -45,11 +52,11 @@ std::string method_text(const doe::ScreeningOptions& options) {
 std::string variance_text(const ResponseScreening& response) {
   const doe::VarianceDecomposition& v = response.variance;
   std::string text =
-      fmt::format("  parameters' share of the variance {:.1f} % (noise alone: {:.1f} %)",
-                  100.0 * v.parameter_share, 100.0 * v.noise_floor);
+      fmt::format("  parameters' share of the variance {} (noise alone: {})",
+                  percent_text(v.parameter_share, 1), percent_text(v.noise_floor, 1));
   if (!std::isnan(v.f))
-    text += fmt::format(";\n  unbiased {:.1f} %; F = {:.3g}, p = {}", 100.0 * v.unbiased_share, v.f,
-                        p_text(v.p_value));
+    text += fmt::format(";\n  unbiased {}; F = {:.3g}, p = {}", percent_text(v.unbiased_share, 1),
+                        v.f, p_text(v.p_value));
   if (!std::isnan(response.signal.alpha))
     text += fmt::format(";\n  alpha = {} (noise alone: {})", number_text(response.signal.alpha),
                         number_text(response.signal.floor));
@@ -74,15 +81,21 @@ std::string factors_text(const ScreeningReport& report, const ResponseScreening&
       std::clamp<std::size_t>(report.repetitions.size(), 5, 15), "median p", "pooled p", "FDR");
   for (std::size_t i = 0; i < factors.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
-    text += fmt::format("  {:<{}}  {:>10}  {:>9}  {:>4}  {:<{}}  {:>8}  {:>8}  {:>8}\n",
-                        clipped(factors[i]), width, fmt::format("{:+.4g}", response.effect(k)),
-                        fmt::format("{:.3g}", response.pooled_standard_error(k)), response.count(k),
-                        votes_text(response, k),
-                        std::clamp<std::size_t>(report.repetitions.size(), 5, 15),
-                        p_text(response.p_value(k)), p_text(response.pooled_p_value(k)),
-                        p_text(response.false_discovery_rate(k)));
+    text += fmt::format(
+        "  {:<{}}  {:>10}  {:>9}  {:>4}  {:<{}}  {:>8}  {:>8}  {:>8}\n", clipped(factors[i]), width,
+        fmt::format("{:+.4g}", response.effect(k)), number_text(response.pooled_standard_error(k)),
+        response.count(k), votes_text(response, k),
+        std::clamp<std::size_t>(report.repetitions.size(), 5, 15), p_text(response.p_value(k)),
+        p_text(response.pooled_p_value(k)), p_text(response.false_discovery_rate(k)));
   }
   return text;
+}
+
+/// No second-order terms are better than those chosen, so many of them.
+bool is_exact(const doe::FinalModel& model) {
+  if (!model.two_stage) return true;
+  const auto& steps = model.two_stage->steps;
+  return std::all_of(steps.begin(), steps.end(), [](const auto& step) { return step.exact; });
 }
 
 /// Coefficient and p of a term in one repetition's model; empty if it is not in it.
@@ -142,7 +155,7 @@ std::string models_text(const ScreeningReport& report, const ResponseScreening& 
   }
   std::vector<std::string> cut;
   for (std::size_t r = 0; r < response.models.size(); ++r)
-    if (!response.models[r].exact_search) cut.push_back(report.repetitions[r]);
+    if (!is_exact(response.models[r])) cut.push_back(report.repetitions[r]);
   if (!cut.empty())
     text += fmt::format(
         "  repetition {}: the search ran out of its budget, better second-order terms may "
@@ -155,6 +168,12 @@ const char* type_name(doe::SumsOfSquares type) {
   return type == doe::SumsOfSquares::type_one   ? "I"
          : type == doe::SumsOfSquares::type_two ? "II"
                                                 : "III";
+}
+
+Eigen::Index candidate_count(const ScreeningReport& report) {
+  return static_cast<Eigen::Index>(
+      doe::candidate_terms(static_cast<int>(report.coded.cols()), report.options.candidates)
+          .size());
 }
 
 std::string anova_text(const ScreeningReport& report, std::size_t response) {
@@ -180,109 +199,6 @@ std::string anova_text(const ScreeningReport& report, std::size_t response) {
   return text;
 }
 
-nlohmann::json anova_json(const std::vector<doe::AnovaRow>& rows) {
-  nlohmann::json json = nlohmann::json::array();
-  for (const auto& row : rows)
-    json.push_back({{"term", row.term},
-                    {"sum_of_squares", row.sum_of_squares},
-                    {"df", row.df},
-                    {"f", row.f},
-                    {"p", row.p}});
-  return json;
-}
-
-nlohmann::json lack_of_fit_json(const doe::LackOfFit& lack) {
-  return {{"lack_ss", lack.lack_ss},
-          {"lack_df", lack.lack_df},
-          {"pure_ss", lack.pure_ss},
-          {"pure_df", lack.pure_df},
-          {"f", lack.f},
-          {"p", lack.p}};
-}
-
-nlohmann::json model_json(const ScreeningReport& report, std::size_t response,
-                          std::size_t repetition) {
-  const doe::FinalModel& model = report.screening.responses[response].models[repetition];
-  nlohmann::json terms = nlohmann::json::array();
-  for (std::size_t j = 0; j <= model.terms.size(); ++j) {
-    const auto i = static_cast<Eigen::Index>(j);
-    terms.push_back(
-        {{"term", j == 0 ? "1" : doe::term_name(model.terms[j - 1], report.screening.factors)},
-         {"coefficient", model.fit.coefficients(i)},
-         {"standard_error", model.fit.standard_errors(i)},
-         {"t", model.fit.t(i)},
-         {"p", model.fit.p(i)},
-         {"variance_inflation", model.diagnostics.variance_inflation(i)}});
-  }
-  nlohmann::json runs = nlohmann::json::array();
-  for (std::size_t i = 0; i < model.runs.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    runs.push_back({{"run", model.runs[i] + 1},
-                    {"residual", model.diagnostics.residual(row)},
-                    {"leverage", model.diagnostics.leverage(row)},
-                    {"studentised_deleted", model.diagnostics.studentised_deleted(row)},
-                    {"cooks_distance", model.diagnostics.cooks_distance(row)},
-                    {"left_out_prediction", model.diagnostics.left_out(row)}});
-  }
-  const auto anova = [&](doe::SumsOfSquares type) {
-    return anova_json(final_anova(report, response, repetition, type));
-  };
-  return {{"repetition", report.repetitions[repetition]},
-          {"terms", terms},
-          {"sigma", model.fit.sigma},
-          {"residual_df", model.fit.residual_df},
-          {"r_squared", model.fit.r_squared},
-          {"predicted_r_squared", model.diagnostics.predicted_r_squared},
-          {"press", model.diagnostics.press},
-          {"aicc", model.criteria.aicc},
-          {"bic", model.criteria.bic},
-          {"lack_of_fit", lack_of_fit_json(model.lack_of_fit)},
-          {"exact_search", model.exact_search},
-          {"anova",
-           {{"type_one", anova(doe::SumsOfSquares::type_one)},
-            {"type_two", anova(doe::SumsOfSquares::type_two)},
-            {"type_three", anova(doe::SumsOfSquares::type_three)}}},
-          {"runs", runs}};
-}
-
-nlohmann::json response_json(const ScreeningReport& report, std::size_t index) {
-  const ResponseScreening& response = report.screening.responses[index];
-  nlohmann::json factors = nlohmann::json::array(), models = nlohmann::json::array();
-  for (std::size_t i = 0; i < report.screening.factors.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    nlohmann::json p = nlohmann::json::array(), significant = nlohmann::json::array();
-    for (Eigen::Index r = 0; r < response.p_values.cols(); ++r) {
-      p.push_back(response.p_values(k, r));
-      significant.push_back(response.significant(k, r) > 0.0);
-    }
-    factors.push_back({{"factor", report.screening.factors[i]},
-                       {"effect", response.effect(k)},
-                       {"pooled_standard_error", response.pooled_standard_error(k)},
-                       {"times_significant", static_cast<int>(response.count(k))},
-                       {"significant", significant},
-                       {"p_values", p},
-                       {"median_p", response.p_value(k)},
-                       {"pooled_p", response.pooled_p_value(k)},
-                       {"false_discovery_rate", response.false_discovery_rate(k)},
-                       {"selected", report.is_selected(response, i)}});
-  }
-  for (std::size_t r = 0; r < response.models.size(); ++r)
-    models.push_back(model_json(report, index, r));
-  return {{"response", response.response},
-          {"factors", factors},
-          {"models", models},
-          {"alpha", response.signal.alpha},
-          {"alpha_of_noise", response.signal.floor},
-          {"variance", variance_json(response.variance)}};
-}
-
-std::vector<std::string> selected_names(const doe::Screening& screening) {
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < screening.factors.size(); ++i)
-    if (screening.selected[i]) names.push_back(screening.factors[i]);
-  return names;
-}
-
 }  // namespace
 
 std::string p_text(double p) {
@@ -294,8 +210,37 @@ std::string number_text(double value) {
   return std::isnan(value) ? "-" : fmt::format("{:.4g}", value);
 }
 
+std::string percent_text(double share, int digits) {
+  return std::isnan(share) ? "-" : fmt::format("{:.{}f} %", 100.0 * share, digits);
+}
+
 std::string clipped(const std::string& name) {
-  return name.size() <= kWidestName ? name : name.substr(0, kWidestName - 3) + "...";
+  std::vector<std::size_t> starts;  // of the characters, which in UTF-8 may have several bytes
+  for (std::size_t i = 0; i < name.size(); ++i)
+    if ((static_cast<unsigned char>(name[i]) & 0xC0) != 0x80) starts.push_back(i);
+  if (starts.size() <= kWidestName) return name;
+  constexpr std::size_t kHead = (kWidestName - 3) / 2, kTail = kWidestName - 3 - kHead;
+  return name.substr(0, starts[kHead]) + "..." + name.substr(starts[starts.size() - kTail]);
+}
+
+std::string wrapped(const std::string& text, std::size_t indent) {
+  std::string result, line;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    if (!line.empty() && indent + line.size() + 1 + word.size() > kColumns) {
+      result += std::string(indent, ' ') + line + "\n";
+      line.clear();
+    }
+    line += (line.empty() ? "" : " ") + word;
+  }
+  return result + std::string(indent, ' ') + line + "\n";
+}
+
+std::vector<std::string> selected_names(const doe::Screening& screening) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < screening.factors.size(); ++i)
+    if (screening.selected[i]) names.push_back(screening.factors[i]);
+  return names;
 }
 
 bool ScreeningReport::is_selected(const ResponseScreening& response, std::size_t factor) const {
@@ -320,6 +265,12 @@ std::string screening_text(const ScreeningReport& report) {
       fmt::format("{}: {} runs of {} factors, {} repetition{}\n{}\n", report.table,
                   report.coded.rows(), report.coded.cols(), report.repetitions.size(),
                   report.repetitions.size() == 1 ? "" : "s", method_text(report.options));
+  if (const auto candidates = candidate_count(report);
+      report.options.stop != doe::StoppingRule::p_value && candidates >= report.coded.rows())
+    text += fmt::format(
+        "{} candidate terms for {} runs: AICc and BIC keep false ones here "
+        "(docs/validation/statistics.md)\n",
+        candidates, report.coded.rows());
   for (std::size_t i = 0; i < report.screening.responses.size(); ++i) {
     const auto& response = report.screening.responses[i];
     text += fmt::format("\n{}\n", response.response) + variance_text(response) + "\n";
@@ -329,15 +280,7 @@ std::string screening_text(const ScreeningReport& report) {
   const auto names = selected_names(report.screening);
   text += fmt::format("\nSelected, in {:.0f} % of the repetitions for one response at least:\n",
                       100.0 * report.options.vote_share);
-  std::string line = " ";
-  for (const auto& name : names) {
-    if (line.size() + name.size() + 1 > 98) {
-      text += line + "\n";
-      line = " ";
-    }
-    line += " " + name;
-  }
-  text += names.empty() ? "  none\n" : line + "\n";
+  text += names.empty() ? "  none\n" : wrapped(fmt::format("{}", fmt::join(names, " ")), 2);
   if (report.coverage) text += coverage_text(report);
   return text +
          "\neffect: mean coefficient of the main effect, half of the change from low to high; "
@@ -347,39 +290,6 @@ std::string screening_text(const ScreeningReport& report) {
          "their "
          "own variance;\nFDR: false-discovery rate at which that test finds it, all factors and "
          "responses together.\n";
-}
-
-nlohmann::json variance_json(const doe::VarianceDecomposition& v) {
-  return {{"runs", v.runs},
-          {"observations", v.observations},
-          {"between_ss", v.between_ss},
-          {"within_ss", v.within_ss},
-          {"parameter_share", v.parameter_share},
-          {"stochastic_share", v.stochastic_share},
-          {"noise_floor", v.noise_floor},
-          {"within_ms", v.within_ms},
-          {"unbiased_variance", v.unbiased_variance},
-          {"unbiased_share", v.unbiased_share},
-          {"f", v.f},
-          {"p_value", v.p_value}};
-}
-
-nlohmann::json screening_json(const ScreeningReport& report) {
-  const bool stepwise = report.options.method == doe::ScreeningOptions::Method::stepwise;
-  nlohmann::json json{{"table", report.table},
-                      {"runs", report.coded.rows()},
-                      {"factors", report.screening.factors},
-                      {"repetitions", report.repetitions},
-                      {"method", stepwise ? "stepwise" : "fit-dsd"},
-                      {"alpha", report.options.alpha},
-                      {"vote", report.options.vote_share},
-                      {"responses", nlohmann::json::array()},
-                      {"selected", selected_names(report.screening)}};
-  if (stepwise) json["leave"] = std::max(report.options.p_leave, report.options.alpha);
-  for (std::size_t i = 0; i < report.screening.responses.size(); ++i)
-    json["responses"].push_back(response_json(report, i));
-  if (report.coverage) json["coverage"] = coverage_json(report);
-  return json;
 }
 
 }  // namespace repose::cli

@@ -44,18 +44,14 @@ Matrix grouped(const std::vector<std::string>& labels, const std::vector<double>
   return matrix;
 }
 
-std::string percent(double share) {
-  return std::isnan(share) ? "-" : fmt::format("{:.2f} %", 100.0 * share);
-}
-
 std::string verdict(const doe::VarianceDecomposition& v) {
   if (std::isnan(v.p_value))
     return v.observations == v.runs
                ? "no run is repeated: parameters and noise cannot be told apart"
                : "nothing varies";
   if (v.p_value >= 0.01) return "the runs cannot be told from noise (p >= 0.01)";
-  return v.unbiased_share < 0.5 ? "stochasticity exceeds the parameters' share"
-                                : "the parameters' share exceeds stochasticity";
+  return doe::is_stochastic(v) ? "stochasticity exceeds the parameters' share"
+                               : "the parameters' share exceeds stochasticity";
 }
 
 /// One response: what its runs and repetitions say.
@@ -70,16 +66,13 @@ ResponseVariance analyse(const std::string& response, const Matrix& values) {
   ResponseVariance result{.response = response,
                           .decomposition = doe::decompose_variance(values),
                           .signal = {std::nan(""), std::nan("")}};
-  const auto present = values.array().isNaN() == false;
   std::vector<double> means;
-  for (Eigen::Index run = 0; run < values.rows(); ++run)
-    if (const auto count = present.row(run).count(); count > 0)
-      means.push_back(present.row(run).select(values.row(run).array(), 0.0).sum() /
-                      static_cast<double>(count));
+  for (const double mean : doe::run_means(values))
+    if (!std::isnan(mean)) means.push_back(mean);
   result.of_run_means = doe::coefficient_of_variation(
       Eigen::Map<const Vector>(means.data(), static_cast<Eigen::Index>(means.size())));
-  if ((present.rowwise().count() >= 2).count() >= 2)
-    result.signal = doe::signal_to_repetition(values);
+  const auto repeated = (values.array().isNaN() == false).rowwise().count();
+  if ((repeated >= 2).count() >= 2) result.signal = doe::signal_to_repetition(values);
   return result;
 }
 
@@ -89,24 +82,25 @@ void print_variance(const ResponseVariance& result) {
     fmt::print("  {:<52}{:>14}\n", name, value);
   };
   fmt::print("\n{}: {} runs, {} values\n", result.response, v.runs, v.observations);
-  item("share of the parameters, P = SSB/SST", percent(v.parameter_share));
-  item("share of stochasticity, S = SSW/SST", percent(v.stochastic_share));
-  item("P if nothing but noise were there", percent(v.noise_floor));
-  item("unbiased share of the parameters", percent(v.unbiased_share));
-  item("standard deviation between runs, unbiased",
-       fmt::format("{:.5g}", std::sqrt(std::max(0.0, v.unbiased_variance))));
-  item("standard deviation of repetitions", fmt::format("{:.5g}", std::sqrt(v.within_ms)));
+  item("share of the parameters, P = SSB/SST", percent_text(v.parameter_share, 2));
+  item("share of stochasticity, S = SSW/SST", percent_text(v.stochastic_share, 2));
+  item("P if nothing but noise were there", percent_text(v.noise_floor, 2));
+  item("unbiased share of the parameters", percent_text(v.unbiased_share, 2));
+  item(
+      "standard deviation between runs, unbiased",
+      number_text(std::isnan(v.unbiased_variance) ? v.unbiased_variance
+                                                  : std::sqrt(std::max(0.0, v.unbiased_variance))));
+  item("standard deviation of repetitions", number_text(std::sqrt(v.within_ms)));
   item("sum of squares between runs, SSB", fmt::format("{:.6g}", v.between_ss));
   item("sum of squares within runs, SSW", fmt::format("{:.6g}", v.within_ss));
   item(
       fmt::format("F on {} and {} degrees of freedom", v.runs - 1, v.observations - v.runs).c_str(),
-      fmt::format("{:.4g}", v.f));
-  item("p", fmt::format("{:.3g}", v.p_value));
-  item("alpha, deviation of means over that of repetitions",
-       fmt::format("{:.4g}", result.signal.alpha));
-  item("alpha if nothing but noise were there", fmt::format("{:.4g}", result.signal.floor));
-  item("coefficient of variation of means, n - 1", percent(result.of_run_means.sample));
-  item("coefficient of variation of means, n", percent(result.of_run_means.population));
+      number_text(v.f));
+  item("p", p_text(v.p_value));
+  item("alpha, deviation of means over that of repetitions", number_text(result.signal.alpha));
+  item("alpha if nothing but noise were there", number_text(result.signal.floor));
+  item("coefficient of variation of means, n - 1", percent_text(result.of_run_means.sample, 2));
+  item("coefficient of variation of means, n", percent_text(result.of_run_means.population, 2));
   fmt::print("  {}\n", verdict(v));
 }
 

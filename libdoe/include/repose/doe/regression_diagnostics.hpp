@@ -33,17 +33,18 @@ RegressionDiagnostics diagnose_regression(const Matrix& x, const Vector& y);
 
 /// The residual sum of squares split into what repeated rows show and the rest.
 struct LackOfFit {
-  double pure_ss = 0.0;  ///< within rows of equal x
-  int pure_df = 0;       ///< rows - different rows; 0: nothing is repeated, nothing is tested
+  double pure_ss = 0.0;  ///< within repeats
+  int pure_df = 0;       ///< rows - different points; 0: nothing is repeated, nothing is tested
   double lack_ss = 0.0;
-  int lack_df = 0;  ///< different rows - columns
+  int lack_df = 0;  ///< different points - columns
   double f = 0.0;   ///< NaN unless both have degrees of freedom
   double p = 0.0;
 };
 
-/// Rows of `x` that are equal in every column are repeats of each other. Throws InputError as
-/// fit_least_squares() does.
-LackOfFit lack_of_fit(const Matrix& x, const Vector& y);
+/// Observations whose rows of `points` (the levels of all factors, and the block) are equal repeat
+/// each other; rows of the model matrix `x` that agree may still differ in factors that the model
+/// leaves out. Throws InputError as fit_least_squares() does, and if rows differ in number.
+LackOfFit lack_of_fit(const Matrix& x, const Vector& y, const Matrix& points);
 
 /// For comparing least-squares models of the same data; smaller is better.
 struct InformationCriteria {

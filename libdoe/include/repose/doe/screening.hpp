@@ -1,6 +1,7 @@
 // Which parameters matter: every repetition of a screening design analysed alone, then a vote.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,22 +41,22 @@ struct FinalModel {
   RegressionDiagnostics diagnostics;
   LackOfFit lack_of_fit;
   InformationCriteria criteria;
-  /// fit_dsd: false if the search for second-order terms ran out of its budget.
-  bool exact_search = true;
+  std::optional<FitDsdResult> two_stage;  ///< fit_dsd only: both stages
 };
 
 /// One response; vectors have one value a factor unless said otherwise.
 struct ResponseScreening {
   std::string response;
   Vector count;  ///< repetitions in which the factor or a term that contains it is significant
-  Matrix significant;  ///< factors x repetitions: 1 where it is, else 0
-  Matrix p_values;     ///< factors x repetitions, of which `p_value` is the median
-  Vector sign;         ///< of `effect`: -1, 0 or 1
+  Vector main_effect_count;  ///< repetitions in which its main effect is
+  Matrix significant;        ///< factors x repetitions: 1 where it is, else 0
+  Matrix p_values;           ///< factors x repetitions, of which `p_value` is the median
+  Vector sign;               ///< of `effect`: -1, 0 or 1
   /// Median over repetitions of the smallest p of the factor's terms in the final model; of its
   /// main effect if it were added, when it has none there.
   Vector p_value;
   /// Of the main effect in the fit of all repetitions together, tested against the variance between
-  /// repetitions of a run; NaN without repetitions.
+  /// repetitions of a run; NaN without repetitions, or if they differ by no more than rounding.
   Vector pooled_p_value;
   /// The smallest false-discovery rate at which the pooled test calls the factor active, all
   /// factors and responses of the screening being one family [BenjaminiHochberg1995].
@@ -83,6 +84,13 @@ Screening screen(const Matrix& coded, const std::vector<std::string>& factors,
                  const std::vector<std::string>& response_names,
                  const std::vector<Matrix>& responses, const ScreeningOptions& options = {},
                  const std::vector<int>& blocks = {});
+
+/// Means of the rows of runs x repetitions without missing values; NaN for a row without any.
+Vector run_means(const Matrix& values);
+
+/// Whether chance moves a response more than the parameters do: an unbiased share below one half,
+/// or runs that the F test cannot tell from noise at 0.01. False without repetitions.
+bool is_stochastic(const VarianceDecomposition& variance);
 
 /// Adjusted p values p_(i) min_{j >= i} m/j p_(j) of m tests [BenjaminiHochberg1995]: those below q
 /// have an expected share of at most q that is false. NaN stays NaN and does not count. Throws

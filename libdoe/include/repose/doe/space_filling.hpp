@@ -51,9 +51,9 @@ struct SobolOptions {
 /// The first points of Sobol's sequence with the direction numbers of [JoeKuo2008], points x
 /// dimensions in [0,1), scrambled ones in (0,1). Any 2^m first points have exactly one value in
 /// each of 2^m equal cells of each column, and are a (0, m, 2)-net in the first two. Scrambling
-/// keeps that and makes each point uniform. Cost with Owen's: about 2 us a coordinate. With a filter, the
-/// first points that are allowed. Throws InputError if points < 0, if dimensions are not in 1 to
-/// 3667, or if hardly any point is allowed.
+/// keeps that and makes each point uniform. Cost with Owen's: about 2 us a coordinate. With a
+/// filter, the first points that are allowed. Throws InputError if points < 0, if dimensions are
+/// not in 1 to 3667, or if hardly any point is allowed.
 Matrix sobol_points(Eigen::Index points, Eigen::Index dimensions, const SobolOptions& options = {});
 
 struct HaltonOptions {

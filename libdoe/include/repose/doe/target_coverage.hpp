@@ -38,6 +38,8 @@ struct ResponseCoverage {
   /// half, or F test with p >= 0.01): this response cannot calibrate. False without repetitions.
   bool stochastic = false;
   std::vector<int> direction;  ///< move the factor up (1) or down (-1) to reach it; 0 neither
+  /// Significant through second-order terms only: which way it must move, a main effect cannot say.
+  std::vector<bool> undirected;
   double still_missing = 0.0;  ///< of the gap, after the proposed extension by the linear model
 };
 
@@ -45,7 +47,7 @@ struct ProposedRange {
   std::string factor;
   double lower = 0.0, upper = 0.0;
   bool lower_extended = false, upper_extended = false;
-  bool at_limit = false;             ///< a physical limit kept it from being extended further
+  bool at_limit = false;             ///< a limit, or 0, kept it from being extended further
   std::vector<std::string> because;  ///< responses that ask for it
 };
 
@@ -55,11 +57,12 @@ struct TargetCoverage {
 };
 
 /// Section 5.3.4 I of [Hadi2026] in numbers. A response y that lies outside the means of the runs
-/// by a gap is met, to first order, if every factor j significant for it is extended in the
-/// direction of its effect b_j (coded units) by the same delta: sum |b_j| delta = gap (1 + margin).
-/// A factor that meets its limit leaves the rest to the others. `ranges` are those of the
-/// screening, in the order of its factors; `limits` what is physically possible, by name, for some
-/// or all of them; none else. Throws InputError for an unknown response, a range that lies outside
+/// by a gap is met, to first order, if every factor j whose main effect is significant for it is
+/// extended in the direction of that effect b_j (coded units) by the same delta: sum |b_j| delta =
+/// gap (1 + margin). A factor that meets its limit leaves the rest to the others. `ranges` are
+/// those of the screening, in the order of its factors; `limits` what is physically possible, by
+/// name, for some or all of them. A factor without limits that was screened at values >= 0 does not
+/// become negative. Throws InputError for an unknown response or factor, a range that lies outside
 /// its limits, or an option out of range.
 TargetCoverage cover_targets(const Screening& screening, const std::vector<Target>& targets,
                              const ParameterSpace& ranges,
