@@ -70,7 +70,8 @@ Optimum optimise(const Study& study, const SurrogateSet& surrogates, const Visit
               : errors[i].mean;
     return values;
   };
-  const auto found = opt::minimize_genetic(objective, {{Vector::Zero(d), Vector::Ones(d)}}, options);
+  const auto found =
+      opt::minimize_genetic(objective, {{Vector::Zero(d), Vector::Ones(d)}}, options);
   const auto at_optimum = weighted_errors(study, surrogates, found.x.transpose());
   return {
       .unit = found.x,
