@@ -163,6 +163,18 @@ TEST(TableExport, WritesTheColumnsAskedFor) {
   EXPECT_NE(slip.err.find("did you mean \"lab\"?"), std::string::npos) << slip.err;
 }
 
+// Whether HDF5 notices the damage or breaks, the user reads a sentence and the exit code is ours.
+TEST(TableCommand, EndsWithASentenceOnFilesThatBreakTheHdf5Library) {
+  const Workbench bench;
+  for (const auto& file : std::filesystem::directory_iterator(REPOSE_TEST_DATA "/fuzz/known")) {
+    const auto said = bench.run("repose", "table show '" + file.path().string() + "'");
+    EXPECT_TRUE(said.code == 0 || said.code == 1 || said.code == 3 || said.code == 6)
+        << file.path() << ": " << said.code;
+    if (said.code != 0)
+      EXPECT_NE(said.err.find("repose: "), std::string::npos) << file.path() << "\n" << said.err;
+  }
+}
+
 TEST(TableCommand, HasHelpWithAnExample) {
   const Workbench bench;
   for (const char* command : {"table show", "table import", "table export"}) {

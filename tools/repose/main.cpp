@@ -1,6 +1,9 @@
 // repose: calibrates granular simulations; see `repose --help`.
 #include <fmt/format.h>
 
+#include <unistd.h>
+
+#include <csignal>
 #include <cstdio>
 #include <exception>
 
@@ -59,8 +62,27 @@ const std::string& command_line() {
 
 }  // namespace repose::cli
 
+namespace {
+
+/// The last words of a program that reads a file whose damage breaks the HDF5 library itself.
+extern "C" void end_after_crash(int) {
+  constexpr char kWords[] =
+      "repose: crashed. If it was reading an HDF5 or MATLAB file, that file is damaged in a way "
+      "that "
+      "the HDF5 library\ndoes not survive: make it anew or take a copy. Otherwise please report "
+      "the "
+      "command.\n";
+  static_cast<void>(!write(STDERR_FILENO, kWords, sizeof kWords - 1));
+  _exit(static_cast<int>(repose::ErrorKind::internal));
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
   using repose::ErrorKind;
+#ifndef __SANITIZE_ADDRESS__  // which tells more
+  for (const int signal : {SIGSEGV, SIGBUS, SIGABRT}) std::signal(signal, &end_after_crash);
+#endif
   try {
     return repose::cli::run(argc, argv);
   } catch (const repose::Error& error) {
