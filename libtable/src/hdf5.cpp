@@ -69,7 +69,20 @@ Handle file_access() {
 
 }  // namespace
 
+namespace {
+
+/// HDF5 1.10 crashes at the program's exit on a file that it failed to close, as on a full disk. We
+/// close what we open; nothing is left for it to do then. No effect if the program uses HDF5 before
+/// it uses us.
+void leave_out_cleanup_at_exit() {
+  static const herr_t once = H5dont_atexit();
+  static_cast<void>(once);
+}
+
+}  // namespace
+
 Session::Session() : lock_(process_mutex()) {
+  leave_out_cleanup_at_exit();
   H5Eget_auto2(H5E_DEFAULT, &print_, &print_data_);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }

@@ -170,8 +170,9 @@ TEST(TableCommand, EndsWithASentenceOnFilesThatBreakTheHdf5Library) {
     const auto said = bench.run("repose", "table show '" + file.path().string() + "'");
     EXPECT_TRUE(said.code == 0 || said.code == 1 || said.code == 3 || said.code == 6)
         << file.path() << ": " << said.code;
-    if (said.code != 0)
+    if (said.code != 0) {
       EXPECT_NE(said.err.find("repose: "), std::string::npos) << file.path() << "\n" << said.err;
+    }
   }
 }
 

@@ -157,10 +157,10 @@ std::string models_text(const ScreeningReport& report, const ResponseScreening& 
   for (std::size_t r = 0; r < response.models.size(); ++r)
     if (!is_exact(response.models[r])) cut.push_back(report.repetitions[r]);
   if (!cut.empty())
-    text += fmt::format(
-        "  repetition {}: the search ran out of its budget, better second-order terms may "
-        "exist;\n  raise --budget\n",
-        listed(cut));
+    text += wrapped(fmt::format("repetition {}: the search ran out of its budget, better "
+                                "second-order terms may exist; raise --budget",
+                                listed(cut)),
+                    2);
   return text;
 }
 
