@@ -67,10 +67,6 @@ Handle file_access() {
   return access;
 }
 
-}  // namespace
-
-namespace {
-
 /// HDF5 1.10 crashes at the program's exit on a file that it failed to close, as on a full disk. We
 /// close what we open; nothing is left for it to do then. No effect if the program uses HDF5 before
 /// it uses us.
