@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <set>
 #include <utility>
@@ -205,26 +206,33 @@ class Selection {
     return absent;
   }
 
-  /// The step that enters `term` into the model of `sweep`; nothing if it cannot enter.
-  std::optional<StepwiseStep> entering(const Term& term, Sweep sweep) const {
+  /// The step that enters `term` into the model; nothing if it cannot enter.
+  std::optional<StepwiseStep> entering(const Term& term, const Sweep& model) const {
     StepwiseStep step{.action = Action::enter, .term = term};
     if (options_.rule != HierarchyRule::none) step.entered_with = absent_precedents(term);
     if (options_.rule == HierarchyRule::restrict && !step.entered_with.empty()) return std::nullopt;
 
-    const double ss_before = sweep.residual_ss();
-    for (const Term& precedent : step.entered_with)
-      if (!sweep.append(term_column(coded_, precedent))) return std::nullopt;
-    const double ss_with_precedents = sweep.residual_ss();
-    if (!sweep.append(term_column(coded_, term)) || sweep.residual_df() < 1) return std::nullopt;
+    const double ss_before = model.residual_ss();
+    double ss_with_precedents = ss_before;
+    double ss = 0.0;
+    if (step.entered_with.empty()) {
+      ss = model.residual_ss_with(term_column(coded_, term));
+    } else {
+      Sweep sweep = model;
+      for (const Term& precedent : step.entered_with)
+        if (!sweep.append(term_column(coded_, precedent))) return std::nullopt;
+      ss_with_precedents = sweep.residual_ss();
+      ss = sweep.residual_ss_with(term_column(coded_, term));
+    }
+    const int entered = static_cast<int>(step.entered_with.size()) + 1;
+    const int df = model.residual_df() - entered;
+    if (std::isnan(ss) || df < 1) return std::nullopt;
 
-    const double mean_square = sweep.residual_ss() / sweep.residual_df();
-    const double joint_df = static_cast<double>(step.entered_with.size() + 1);
-    const double joint_p = f_upper_tail((ss_before - sweep.residual_ss()) / joint_df / mean_square,
-                                        joint_df, sweep.residual_df());
-    const double own_p = f_upper_tail((ss_with_precedents - sweep.residual_ss()) / mean_square, 1.0,
-                                      sweep.residual_df());
+    const double mean_square = ss / df;
+    const double joint_p = f_upper_tail((ss_before - ss) / entered / mean_square, entered, df);
+    const double own_p = f_upper_tail((ss_with_precedents - ss) / mean_square, 1.0, df);
     step.p = options_.rule == HierarchyRule::combine ? std::max(joint_p, own_p) : joint_p;
-    set_criteria(step, sweep.residual_ss(), sweep.residual_df());
+    set_criteria(step, ss, df);
     return step;
   }
 

@@ -16,6 +16,9 @@ class Sweep {
   /// The same with the squared length to compare with, for a column that was projected before.
   bool append(const Vector& column, double full_squared_length);
 
+  /// What is left of the residual sum of squares if the column were added; NaN where append() would
+  /// be false.
+  double residual_ss_with(const Vector& column) const;
   /// Each column that does not depend on others.
   void append_all(const Matrix& columns) {
     for (Eigen::Index j = 0; j < columns.cols(); ++j) append(columns.col(j));
@@ -29,6 +32,9 @@ class Sweep {
   int residual_df() const { return static_cast<int>(residual_.size() - columns_); }
 
  private:
+  /// The column less its projection, of length 1; empty if hardly anything is left.
+  Vector direction_of(const Vector& column, double full_squared_length) const;
+
   Matrix basis_;  // its first columns_ columns; the rest is room
   Eigen::Index columns_ = 0;
   Vector residual_;
