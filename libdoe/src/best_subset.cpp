@@ -69,12 +69,12 @@ void SubsetSearch::greedy(int size, const std::vector<int>& near) {
   const auto add_best = [&] {
     int best = -1;
     double least = std::numeric_limits<double>::infinity();
+    Sweep sweep(residual_);
+    for (const int column : chosen) sweep.append(candidates_.col(column), full_norm_(column));
     for (int candidate = 0; candidate < candidates_.cols(); ++candidate) {
       if (std::find(chosen.begin(), chosen.end(), candidate) != chosen.end()) continue;
-      std::vector<int> trial = chosen;
-      trial.push_back(candidate);
-      const double left = residual_ss_with(trial);
-      if (left < least) {
+      const double left = sweep.residual_ss_with(candidates_.col(candidate), full_norm_(candidate));
+      if (left < least) {  // not NaN
         least = left;
         best = candidate;
       }

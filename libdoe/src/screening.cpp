@@ -25,13 +25,21 @@ struct Repetition {
   std::vector<int> blocks;
 };
 
+/// Of some runs; empty if there are no blocks.
+std::vector<int> blocks_of(const std::vector<int>& blocks, const std::vector<Eigen::Index>& runs) {
+  std::vector<int> result;
+  if (!blocks.empty())
+    for (const Eigen::Index run : runs) result.push_back(blocks[static_cast<std::size_t>(run)]);
+  return result;
+}
+
 Repetition surviving_runs(const Matrix& coded, const Vector& y, const std::vector<int>& blocks) {
   Repetition repetition;
   for (Eigen::Index run = 0; run < y.size(); ++run) {
     if (std::isnan(y(run))) continue;
     repetition.runs.push_back(run);
-    if (!blocks.empty()) repetition.blocks.push_back(blocks[static_cast<std::size_t>(run)]);
   }
+  repetition.blocks = blocks_of(blocks, repetition.runs);
   repetition.coded = coded(repetition.runs, Eigen::all);
   repetition.y = y(repetition.runs);
   return repetition;
@@ -67,10 +75,7 @@ FinalModel final_model(const Repetition& repetition, const std::vector<std::stri
 
 void diagnose(const Matrix& coded, const Vector& y, const std::vector<int>& blocks,
               FinalModel& model) {
-  std::vector<int> used_blocks;
-  if (!blocks.empty())
-    for (const Eigen::Index run : model.runs)
-      used_blocks.push_back(blocks[static_cast<std::size_t>(run)]);
+  const std::vector<int> used_blocks = blocks_of(blocks, model.runs);
   const Matrix levels = coded(model.runs, Eigen::all);
   const Matrix x = model_matrix(levels, model.terms, used_blocks);
   const Vector used = y(model.runs);
@@ -84,26 +89,22 @@ void diagnose(const Matrix& coded, const Vector& y, const std::vector<int>& bloc
                                         static_cast<int>(x.cols()));
 }
 
-/// p of the main effect if it were added to the model; 1 if it cannot be.
-double p_if_added(const Repetition& repetition, const std::vector<Term>& terms, int factor) {
-  Sweep sweep(repetition.y);
-  sweep.append_all(model_matrix(repetition.coded, terms, repetition.blocks));
-  if (sweep.is_exact()) return 1.0;
-  const double before = sweep.residual_ss();
-  if (!sweep.append(repetition.coded.col(factor)) || sweep.residual_df() < 1) return 1.0;
-  const double p =
-      f_upper_tail((before - sweep.residual_ss()) / (sweep.residual_ss() / sweep.residual_df()),
-                   1.0, sweep.residual_df());
+/// p of a column if it were added to the model; 1 if it cannot be.
+double p_if_added(const Sweep& model, const Vector& column) {
+  const int df = model.residual_df() - 1;
+  if (model.is_exact() || df < 1) return 1.0;
+  const double ss = model.residual_ss_with(column);
+  const double p = f_upper_tail((model.residual_ss() - ss) / (ss / df), 1.0, df);
   return std::isnan(p) ? 1.0 : p;
 }
 
 /// The smallest p of the terms that contain the factor.
-double p_of_factor(const Repetition& repetition, const FinalModel& model, int factor) {
+double p_of_factor(const FinalModel& model, const Sweep& sweep, const Matrix& coded, int factor) {
   double smallest = kNaN;
   for (std::size_t j = 0; j < model.terms.size(); ++j)
     if (model.terms[j].contains(factor))
       smallest = std::fmin(smallest, model.fit.p(static_cast<Eigen::Index>(j) + 1));
-  return std::isnan(smallest) ? p_if_added(repetition, model.terms, factor) : smallest;
+  return std::isnan(smallest) ? p_if_added(sweep, coded.col(factor)) : smallest;
 }
 
 bool main_effect_is_significant(const FinalModel& model, int factor, double alpha) {
@@ -143,17 +144,16 @@ void pool(const Matrix& coded, const Matrix& values, const std::vector<std::stri
   const double largest = (values.array().isNaN()).select(0.0, values).cwiseAbs().maxCoeff();
   if (within_df == 0 || variance.within_ss <= negligible_ss(largest, variance.observations)) return;
   std::vector<Eigen::Index> runs;
-  std::vector<int> used_blocks;
   std::vector<double> root_weight;
   for (Eigen::Index run = 0; run < values.rows(); ++run) {
     if (std::isnan(result.run_means(run))) continue;
     runs.push_back(run);
-    if (!blocks.empty()) used_blocks.push_back(blocks[static_cast<std::size_t>(run)]);
     const auto count = values.cols() - values.row(run).array().isNaN().count();
     root_weight.push_back(std::sqrt(static_cast<double>(count)));
   }
   const Eigen::Map<const Vector> weight(root_weight.data(),
                                         static_cast<Eigen::Index>(root_weight.size()));
+  const std::vector<int> used_blocks = blocks_of(blocks, runs);
   const std::vector<Term> terms =
       candidate_terms(static_cast<int>(k), CandidateTerms::main_effects);
   const LeastSquaresFit fit = fit_least_squares(
@@ -233,8 +233,10 @@ ResponseScreening screen_response(const Matrix& coded, const std::vector<std::st
           fmt::format("screening: response {}, repetition {} ({} of {} runs have a value): {}",
                       name, r + 1, repetition.y.size(), coded.rows(), error.what()));
     }
+    Sweep sweep(repetition.y);
+    sweep.append_all(model_matrix(repetition.coded, model.terms, repetition.blocks));
     for (int factor = 0; factor < k; ++factor) {
-      result.p_values(factor, r) = p_of_factor(repetition, model, factor);
+      result.p_values(factor, r) = p_of_factor(model, sweep, repetition.coded, factor);
       result.significant(factor, r) = is_significant(model, factor, options.alpha) ? 1.0 : 0.0;
       if (main_effect_is_significant(model, factor, options.alpha))
         result.main_effect_count(factor) += 1.0;

@@ -25,8 +25,8 @@ Vector Sweep::direction_of(const Vector& column, double full_squared_length) con
   return direction / left;
 }
 
-double Sweep::residual_ss_with(const Vector& column) const {
-  const Vector direction = direction_of(column, column.squaredNorm());
+double Sweep::residual_ss_with(const Vector& column, double full_squared_length) const {
+  const Vector direction = direction_of(column, full_squared_length);
   if (direction.size() == 0) return std::numeric_limits<double>::quiet_NaN();
   return (residual_ - direction * direction.dot(residual_)).squaredNorm();
 }

@@ -18,7 +18,10 @@ class Sweep {
 
   /// What is left of the residual sum of squares if the column were added; NaN where append() would
   /// be false.
-  double residual_ss_with(const Vector& column) const;
+  double residual_ss_with(const Vector& column) const {
+    return residual_ss_with(column, column.squaredNorm());
+  }
+  double residual_ss_with(const Vector& column, double full_squared_length) const;
   /// Each column that does not depend on others.
   void append_all(const Matrix& columns) {
     for (Eigen::Index j = 0; j < columns.cols(); ++j) append(columns.col(j));

@@ -112,11 +112,6 @@ Matrix response_values(const RunsAndRepetitions& runs, const std::vector<double>
   return values;
 }
 
-template <typename Value>
-Value chosen(const std::string& name, const std::map<std::string, Value>& values) {
-  return values.at(name);  // CLI11 has checked the name
-}
-
 const std::map<std::string, doe::StepDirection> kDirections{
     {"forward", doe::StepDirection::forward},
     {"backward", doe::StepDirection::backward},
@@ -150,9 +145,9 @@ doe::ScreeningOptions analysis_options(const ScreenOptions& options) {
     analysis.candidates = doe::CandidateTerms::main_effects;
     analysis.direction = doe::StepDirection::backward;
   }
-  if (!options.direction.empty()) analysis.direction = chosen(options.direction, kDirections);
-  analysis.rule = chosen(options.rule, kRules);
-  analysis.stop = chosen(options.stop, kStops);
+  if (!options.direction.empty()) analysis.direction = kDirections.at(options.direction);
+  analysis.rule = kRules.at(options.rule);
+  analysis.stop = kStops.at(options.stop);
   return analysis;
 }
 
@@ -249,7 +244,7 @@ void screen(const ScreenOptions& options) {
                          .anova = {},
                          .screening = {},
                          .coverage = {}};
-  if (!options.anova.empty()) report.anova = chosen(options.anova, kTypes);
+  if (!options.anova.empty()) report.anova = kTypes.at(options.anova);
   for (const auto& name : responses)
     report.values.push_back(response_values(runs, table.numbers(name)));
   report.screening = doe::screen(report.coded, design.names(), responses, report.values,
