@@ -71,11 +71,11 @@ double reflected(double x) {
 /// One run: the distribution and how it learns.
 class Run {
  public:
-  Run(const BatchObjective& objective, const FeasibleSet& set, const CmaEsOptions& options,
+  Run(const BatchObjective& objective, const GenomeSpace& space, const CmaEsOptions& options,
       int population, Vector mean, RandomStream& random, std::int64_t& points,
       EvolutionResult& result)
       : objective_(objective),
-        set_(set),
+        space_(space),
         options_(options),
         strategy_(mean.size(), population),
         population_(population),
@@ -93,11 +93,11 @@ class Run {
   Termination go() {
     while (points_ < options_.max_points) {
       const Matrix steps = sample();
-      const Population p = evaluated(objective_, genomes_of(steps), set_, result_);
+      const Population p = evaluated(objective_, genomes_of(steps), space_, result_);
       points_ += population_;
       ++result_.generations;
       ++generation_;
-      keep_best(p, set_, result_);
+      keep_best(p, space_, result_);
       const std::vector<Eigen::Index> order = ranking(p);
       adapt(steps, order);
       remember(p, order);
@@ -169,8 +169,8 @@ class Run {
 
   void keep_whole_coordinates_moving() {
     bool changed = false;
-    for (const Eigen::Index k : set_.whole) {
-      const double range = set_.bounds.upper[k] - set_.bounds.lower[k];
+    for (const Eigen::Index k : space_.whole()) {
+      const double range = space_.range(k);
       if (!(range > 0.0)) continue;
       const double least = 0.2 / range / step_;
       if (covariance_(k, k) >= least * least) continue;
@@ -190,7 +190,7 @@ class Run {
 
   bool has_converged(const Population& p, const std::vector<Eigen::Index>& order) const {
     const Vector deviations = step_ * covariance_.diagonal().cwiseSqrt();
-    if (set_.whole.empty() && deviations.maxCoeff() < options_.x_tolerance) return true;
+    if (space_.whole().empty() && deviations.maxCoeff() < options_.x_tolerance) return true;
     if (!window_is_full_) return false;
     const auto [least, most] = std::minmax_element(recent_.begin(), recent_.end());
     const double worst = p.values[order[order.size() / 2]];
@@ -204,7 +204,7 @@ class Run {
   }
 
   const BatchObjective& objective_;
-  const FeasibleSet& set_;
+  const GenomeSpace& space_;
   const CmaEsOptions& options_;
   Strategy strategy_;
   int population_;
@@ -227,7 +227,8 @@ EvolutionResult minimize_cma_es(const BatchObjective& objective, const FeasibleS
                                 const CmaEsOptions& options) {
   check_feasible_set(set);
   check(options);
-  const Eigen::Index d = set.bounds.lower.size();
+  const GenomeSpace space(set);
+  const Eigen::Index d = space.size();
   RandomStream random(options.seed);
   EvolutionResult result;
   result.value = std::numeric_limits<double>::infinity();
@@ -241,7 +242,7 @@ EvolutionResult minimize_cma_es(const BatchObjective& objective, const FeasibleS
     Vector mean = Vector::Constant(d, 0.5);
     if (runs > 0)
       for (double& value : mean) value = random.uniform();
-    last = Run(objective, set, options, population, std::move(mean), random, points, result).go();
+    last = Run(objective, space, options, population, std::move(mean), random, points, result).go();
     population *= 2;
   }
   result.termination = std::isfinite(result.value) ? last : Termination::failed;

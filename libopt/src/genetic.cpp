@@ -153,13 +153,13 @@ Matrix offspring(const Population& p, Eigen::Index count, const GeneticOptions& 
   return children;
 }
 
-Population next_generation(const BatchObjective& objective, const FeasibleSet& set,
+Population next_generation(const BatchObjective& objective, const GenomeSpace& space,
                            const Population& old, const GeneticOptions& o, RandomStream& random,
                            EvolutionResult& result) {
   const auto n = static_cast<Eigen::Index>(o.population);
   const Eigen::Index elite = elite_count(o);
   const Population young =
-      evaluated(objective, offspring(old, n - elite, o, result.generations, random), set, result);
+      evaluated(objective, offspring(old, n - elite, o, result.generations, random), space, result);
   Population next{Matrix(n, old.genomes.cols()), Vector(n), Vector(n)};
   next.genomes << old.genomes.topRows(elite), young.genomes;
   next.values << old.values.head(elite), young.values;
@@ -182,17 +182,18 @@ EvolutionResult minimize_genetic(const BatchObjective& objective, const Feasible
   check_feasible_set(set);
   check(options);
   RandomStream random(options.seed);
-  Matrix genomes(options.population, set.bounds.lower.size());
+  const GenomeSpace space(set);
+  Matrix genomes(options.population, space.size());
   for (double& gene : genomes.reshaped()) gene = random.uniform();
   EvolutionResult result;
   result.value = std::numeric_limits<double>::infinity();
-  Population p = sorted(evaluated(objective, std::move(genomes), set, result));
-  keep_best(p, set, result);
+  Population p = sorted(evaluated(objective, std::move(genomes), space, result));
+  keep_best(p, space, result);
   while (result.generations < options.max_generations &&
          !has_stalled(result.best_by_generation, options)) {
-    p = next_generation(objective, set, p, options, random, result);
+    p = next_generation(objective, space, p, options, random, result);
     ++result.generations;
-    keep_best(p, set, result);
+    keep_best(p, space, result);
   }
   if (!std::isfinite(result.value)) {
     result.termination = Termination::failed;

@@ -15,22 +15,30 @@
 
 namespace repose::opt {
 
-Vector decoded(const Vector& genome, const FeasibleSet& set) {
-  const Vector range = set.bounds.upper - set.bounds.lower;
-  return rounded(set.bounds.lower + genome.cwiseProduct(range), set);
+GenomeSpace::GenomeSpace(const FeasibleSet& set)
+    : set_(set), bounds_(narrowed_bounds(set)), free_(free_coordinates(set)) {
+  for (std::size_t place = 0; place < free_.size(); ++place)
+    if (std::find(set.whole.begin(), set.whole.end(), free_[place]) != set.whole.end())
+      whole_.push_back(static_cast<Eigen::Index>(place));
 }
 
-Population evaluated(const BatchObjective& objective, Matrix genomes, const FeasibleSet& set,
+Vector GenomeSpace::decoded(const Vector& genome) const {
+  Vector x = bounds_.lower;
+  for (Eigen::Index i = 0; i < size(); ++i) x[coordinate(i)] += genome[i] * range(i);
+  return rounded(x, set_);
+}
+
+Population evaluated(const BatchObjective& objective, Matrix genomes, const GenomeSpace& space,
                      EvolutionResult& result) {
   Population population{std::move(genomes), {}, {}};
   const Eigen::Index n = population.genomes.rows();
   population.values = Vector::Constant(n, std::numeric_limits<double>::infinity());
   population.violations = Vector(n);
-  Matrix points(n, population.genomes.cols());
+  Matrix points(n, space.set().bounds.lower.size());
   std::vector<Eigen::Index> asked;
   for (Eigen::Index i = 0; i < n; ++i) {
-    points.row(i) = decoded(population.genomes.row(i), set);
-    population.violations[i] = violation(points.row(i), set);
+    points.row(i) = space.decoded(population.genomes.row(i));
+    population.violations[i] = violation(points.row(i), space.set());
     if (population.violations[i] == 0.0) asked.push_back(i);
   }
   if (asked.empty()) return population;
@@ -54,11 +62,11 @@ std::vector<Eigen::Index> ranking(const Population& p) {
   return order;
 }
 
-void keep_best(const Population& p, const FeasibleSet& set, EvolutionResult& result) {
+void keep_best(const Population& p, const GenomeSpace& space, EvolutionResult& result) {
   const Eigen::Index best = ranking(p).front();
   const bool first = result.x.size() == 0;
   if (first || (p.violations[best] == 0.0 && p.values[best] < result.value)) {
-    result.x = decoded(p.genomes.row(best), set);
+    result.x = space.decoded(p.genomes.row(best));
     result.value = p.values[best];
   }
   result.best_by_generation.push_back(result.value);

@@ -120,6 +120,27 @@ TEST(CmaEsPromises, KeepsWholeCoordinatesWholeAndMoving) {
   EXPECT_NEAR(r.value, 0.16, 1e-6);
 }
 
+// x2 = 3 - n follows the whole n = x1 in [-40, 90] within [-50, 20], which leaves n in [-17, 53].
+TEST(CmaEsPromises, MovesTheLeadersOfTiesAlone) {
+  const FeasibleSet set{
+      {Vector{{0.0, -40.0, -50.0}}, Vector{{5.0, 90.0, 20.0}}}, {}, {2, 1}, {{2, 1, -1.0, 3.0}}};
+  const BatchObjective f = [](const Matrix& rows) -> Vector {
+    return (rows.col(0).array() - 2.4).square() + (rows.col(1).array() + 20.4).square() -
+           0.1 * rows.col(2).array();
+  };
+  const BatchObjective reduced = [&](const Matrix& leaders) {
+    Matrix rows(leaders.rows(), 3);
+    rows << leaders, 3.0 - leaders.col(1).array();
+    return f(rows);
+  };
+  const FeasibleSet small{{Vector{{0.0, -17.0}}, Vector{{5.0, 53.0}}}, {}, {1}};
+  const CmaEsOptions options{.restarts = 1, .max_points = 5000};
+  const EvolutionResult full = minimize_cma_es(f, set, options);
+  const EvolutionResult by_hand = minimize_cma_es(reduced, small, options);
+  EXPECT_EQ(full.best_by_generation, by_hand.best_by_generation);
+  EXPECT_EQ(full.x, (Vector{{by_hand.x[0], -17.0, 20.0}}));
+}
+
 TEST(CmaEsPromises, EndsWhereNothingIsFiniteOrNothingVaries) {
   const BatchObjective nowhere = [](const Matrix& rows) -> Vector {
     return Vector::Constant(rows.rows(), std::nan(""));

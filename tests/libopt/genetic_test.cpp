@@ -127,6 +127,31 @@ TEST(Genetic, KeepsWholeCoordinatesWhole) {
   EXPECT_NEAR(r.value, 0.16, 1e-4);
 }
 
+// The same search in the leaders' own space, followers computed by hand, is the same to the bit.
+TEST(Genetic, MovesTheLeadersOfTiesAlone) {
+  FeasibleSet set{{Vector::Constant(4, -1.0), Vector{{2.0, 1.0, 1.5, 1.0}}}};
+  set.inequalities = {{"sum", Vector{{1.0, 1.0, 0.0, 1.0}}, 0.25}};  // 3 x0 + x1 <= 0
+  set.ties = {{3, 0, 2.0, 0.25}, {2, 0}};  // 2 x0 + 0.25 in [-1, 1]: x0 in [-0.625, 0.375]
+  const auto complete = [](const Matrix& leaders) {
+    Matrix rows(leaders.rows(), 4);
+    rows << leaders, leaders.col(0), 0.25 + 2.0 * leaders.col(0).array();
+    return rows;
+  };
+  const BatchObjective f = [](const Matrix& rows) -> Vector {
+    return (rows.array() - 0.3).square().rowwise().sum() +
+           rows.col(0).array() * rows.col(3).array();
+  };
+  const BatchObjective reduced = [&](const Matrix& leaders) { return f(complete(leaders)); };
+  const FeasibleSet small{{Vector{{-0.625, -1.0}}, Vector{{0.375, 1.0}}},
+                          {{"sum", Vector{{3.0, 1.0}}, 0.0}}};
+  const GeneticOptions options{.population = 60, .max_generations = 60};
+  const EvolutionResult full = minimize_genetic(f, set, options);
+  const EvolutionResult by_hand = minimize_genetic(reduced, small, options);
+  EXPECT_EQ(full.x, complete(by_hand.x.transpose()).row(0).transpose());
+  EXPECT_EQ(full.best_by_generation, by_hand.best_by_generation);
+  EXPECT_EQ(violation(full.x, set), 0.0);
+}
+
 TEST(RepeatedSearch, RunsOneSeedEachOnAnyNumberOfThreads) {
   const test::Benchmark b = test::hartmann6_benchmark();
   const auto search = [&](std::uint64_t seed) {

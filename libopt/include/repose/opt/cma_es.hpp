@@ -21,7 +21,7 @@ struct CmaEsOptions {
   std::uint64_t seed = 1;
 };
 
-/// Minimises inside a box, with inequalities and whole numbers as in FeasibleSet. (mu/mu_w,
+/// Minimises inside a box, with inequalities, ties and whole numbers as in FeasibleSet. (mu/mu_w,
 /// lambda)-CMA-ES with rank-one and rank-mu updates and negative weights, all constants those of
 /// [Hansen2016]. Samples outside the box are reflected into it; points that break a constraint or
 /// have no finite value rank last. The first run starts in the middle of the box, the others at

@@ -48,9 +48,9 @@ struct GeneticOptions {
   std::uint64_t seed = 1;
 };
 
-/// Minimises inside a box, with inequalities and whole numbers as in FeasibleSet: points that break
-/// a constraint are not evaluated and lose to all that do not [Deb2000], values that are not finite
-/// lose to all that are. The same seed gives the same bits. Throws InputError on bad bounds,
+/// Minimises inside a box, with inequalities, ties and whole numbers as in FeasibleSet: points that
+/// break a constraint are not evaluated and lose to all that do not [Deb2000], values that are not
+/// finite lose to all that are. The same seed gives the same bits. Throws InputError on bad bounds,
 /// constraints or options.
 EvolutionResult minimize_genetic(const BatchObjective& objective, const FeasibleSet& set,
                                  const GeneticOptions& options = {});
