@@ -1,164 +1,56 @@
 #include "repose/opt/minimizer.hpp"
 
 #include <fmt/format.h>
-#include <nlopt.h>
 
 #include <chrono>
 #include <cmath>
-#include <exception>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <vector>
 
+#include "nlopt_search.hpp"
 #include "repose/base/error.hpp"
 #include "repose/base/thread_pool.hpp"
 
 namespace repose::opt {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-struct NloptDeleter {
-  void operator()(nlopt_opt_s* handle) const { nlopt_destroy(handle); }
-};
-using NloptHandle = std::unique_ptr<nlopt_opt_s, NloptDeleter>;
-
-/// Stands between NLopt and the objective: counts, remembers the best point, and replaces values
-/// that are not finite by one worse than all seen.
-class Recorder {
- public:
-  Recorder(const Objective& objective, const Bounds& bounds, const Vector& start)
-      : objective_(objective), bounds_(bounds), best_(start), x_(start), gradient_(start.size()) {}
-
-  static double call(unsigned n, const double* x, double* gradient, void* self) {
-    return static_cast<Recorder*>(self)->evaluate(n, x, gradient);
-  }
-
-  void attach(nlopt_opt_s* handle) { handle_ = handle; }
-  const Vector& best() const { return best_; }
-  double best_value() const { return best_value_; }
-  int evaluations() const { return evaluations_; }
-  void rethrow() const {
-    if (error_) std::rethrow_exception(error_);
-  }
-
- private:
-  double evaluate(unsigned n, const double* x, double* gradient) {
-    ++evaluations_;
-    const auto size = static_cast<Eigen::Index>(n);
-    try {
-      x_ = project(Eigen::Map<const Vector>(x, size), bounds_);
-      gradient_.setZero(size);
-      const double value = objective_(x_, gradient != nullptr ? &gradient_ : nullptr);
-      if (gradient != nullptr) {
-        const Vector safe = gradient_.array().isFinite().select(gradient_, 0.0);
-        Eigen::Map<Vector>(gradient, size) = safe;
-      }
-      return remember(value);
-    } catch (...) {
-      error_ = std::current_exception();
-      nlopt_force_stop(handle_);
-      return 0.0;
-    }
-  }
-
-  double remember(double value) {
-    if (!std::isfinite(value))
-      return std::isfinite(worst_) ? worst_ + 10.0 * (1.0 + std::abs(worst_)) : 1e30;
-    worst_ = std::max(worst_, value);
-    if (value < best_value_) {
-      best_value_ = value;
-      best_ = x_;
-    }
-    return value;
-  }
-
-  const Objective& objective_;
-  const Bounds& bounds_;
-  Vector best_;
-  Vector x_;
-  Vector gradient_;
-  double best_value_ = kInfinity;
-  double worst_ = -kInfinity;
-  int evaluations_ = 0;
-  nlopt_opt_s* handle_ = nullptr;
-  std::exception_ptr error_;
-};
-
-nlopt_algorithm nlopt_name(Algorithm algorithm) {
-  switch (algorithm) {
-    case Algorithm::lbfgs:
-      return NLOPT_LD_LBFGS;
-    case Algorithm::slsqp:
-      return NLOPT_LD_SLSQP;
-    case Algorithm::bobyqa:
-      return NLOPT_LN_BOBYQA;
-    case Algorithm::crs2:
-      return NLOPT_GN_CRS2_LM;
-    case Algorithm::direct_l:
-      return NLOPT_GN_DIRECT_L;
-    case Algorithm::isres:
-      return NLOPT_GN_ISRES;
-  }
-  throw Error(ErrorKind::internal, "unknown minimisation algorithm");
-}
-
-const char* algorithm_name(Algorithm algorithm) {
-  constexpr const char* kNames[] = {"lbfgs", "slsqp", "bobyqa", "crs2", "direct_l", "isres"};
-  return kNames[static_cast<int>(algorithm)];
-}
-
-std::optional<Algorithm> fallback_of(Algorithm algorithm) {
+/// None where there are constraints: bobyqa takes none, and a global search would be another thing.
+std::optional<Algorithm> fallback_of(Algorithm algorithm, const FeasibleSet& set) {
+  if (!set.inequalities.empty()) return std::nullopt;
   if (algorithm == Algorithm::lbfgs) return Algorithm::slsqp;
   if (algorithm == Algorithm::slsqp) return Algorithm::bobyqa;
   return std::nullopt;
 }
 
-void require(nlopt_result result, const char* setting) {
-  if (result < 0)
-    throw Error(ErrorKind::internal,
-                fmt::format("NLopt refused {} with code {}", setting, static_cast<int>(result)));
+bool takes_inequalities(Algorithm algorithm) {
+  return algorithm == Algorithm::slsqp || algorithm == Algorithm::isres;
 }
 
-NloptHandle make_handle(Algorithm algorithm, const Bounds& bounds, const MinimizerOptions& options,
-                        int evaluations_left) {
-  const Vector range = bounds.upper - bounds.lower;
-  NloptHandle handle(nlopt_create(nlopt_name(algorithm), static_cast<unsigned>(range.size())));
-  if (!handle) throw Error(ErrorKind::internal, "NLopt could not create an optimiser");
-  const Vector absolute = options.absolute_x_tolerance * range;
-  require(nlopt_set_lower_bounds(handle.get(), bounds.lower.data()), "lower bounds");
-  require(nlopt_set_upper_bounds(handle.get(), bounds.upper.data()), "upper bounds");
-  require(nlopt_set_xtol_rel(handle.get(), options.relative_x_tolerance),
-          "the relative x tolerance");
-  require(nlopt_set_xtol_abs(handle.get(), absolute.data()), "the absolute x tolerance");
-  require(nlopt_set_ftol_rel(handle.get(), options.relative_f_tolerance), "the f tolerance");
-  require(nlopt_set_maxeval(handle.get(), evaluations_left), "the evaluation limit");
-  if (algorithm == Algorithm::bobyqa && options.initial_step > 0.0) {
-    const Vector step = (options.initial_step * range).cwiseMax(std::numeric_limits<double>::min());
-    require(nlopt_set_initial_step(handle.get(), step.data()), "the initial step");
-  }
-  return handle;
-}
-
-/// One method from `start`; what it found is in the recorder.
-nlopt_result run(Algorithm algorithm, Vector start, const Bounds& bounds,
-                 const MinimizerOptions& options, Recorder& recorder) {
-  const int left = options.max_evaluations - recorder.evaluations();
-  const NloptHandle handle = make_handle(algorithm, bounds, options, left);
-  require(nlopt_set_min_objective(handle.get(), &Recorder::call, &recorder), "the objective");
-  recorder.attach(handle.get());
-  nlopt_srand(static_cast<unsigned long>(options.seed));  // a state of this thread
-  double value = 0.0;
-  const nlopt_result result = nlopt_optimize(handle.get(), start.data(), &value);
-  recorder.attach(nullptr);
-  recorder.rethrow();
-  return result;
+void check_problem(const Vector& start, const FeasibleSet& set, const MinimizerOptions& options) {
+  check_feasible_set(set);
+  if (start.size() != set.bounds.lower.size() || !start.allFinite())
+    throw InputError(fmt::format("a start of {} coordinates, which must be {} finite numbers",
+                                 start.size(), set.bounds.lower.size()));
+  if (options.max_evaluations < 1)
+    throw InputError(
+        fmt::format("max_evaluations is {}; it must be at least 1", options.max_evaluations));
+  if (!set.whole.empty())
+    throw InputError(fmt::format(
+        "coordinate {} is to be a whole number, which {} does not know; the genetic algorithm and "
+        "CMA-ES do",
+        set.whole.front() + 1, algorithm_name(options.algorithm)));
+  if (!set.inequalities.empty() && !takes_inequalities(options.algorithm))
+    throw InputError(fmt::format(
+        "{} takes no linear constraints; slsqp (local, with gradient) and isres (global) do, and "
+        "so do the genetic algorithm and CMA-ES",
+        algorithm_name(options.algorithm)));
 }
 
 struct Verdict {
@@ -166,18 +58,39 @@ struct Verdict {
   std::string message;
 };
 
-Verdict verdict(nlopt_result result, Algorithm algorithm, double value, int evaluations) {
+std::string count_of(const Recorder& recorder) {
+  if (recorder.points() == recorder.evaluations())
+    return fmt::format("{} evaluations", recorder.evaluations());
+  return fmt::format("{} points, {} of which obey the constraints", recorder.points(),
+                     recorder.evaluations());
+}
+
+Verdict verdict(nlopt_result result, Algorithm algorithm, const Recorder& recorder) {
   const char* name = algorithm_name(algorithm);
-  if (!std::isfinite(value))
-    return {Termination::failed,
-            fmt::format("no finite value in {} evaluations; start elsewhere", evaluations)};
+  const std::string count = count_of(recorder);
+  if (!std::isfinite(recorder.best_value()))
+    return {Termination::failed, fmt::format("no finite value in {}; start elsewhere", count)};
   if (result == NLOPT_MAXEVAL_REACHED)
-    return {Termination::budget, fmt::format("{}: all {} evaluations used", name, evaluations)};
+    return {Termination::budget, fmt::format("{}: all {} used", name, count)};
   if (result > 0)
-    return {Termination::converged,
-            fmt::format("{}: converged after {} evaluations", name, evaluations)};
+    return {Termination::converged, fmt::format("{}: converged after {}", name, count)};
+  const bool constrained = !recorder.space().set().inequalities.empty();
   return {Termination::round_off,
-          fmt::format("{}: no further progress after {} evaluations", name, evaluations)};
+          fmt::format("{}: no further progress after {}{}", name, count,
+                      constrained ? "; no other local method takes linear constraints" : "")};
+}
+
+Minimum without_feasible_point(const Vector& nearest, const FeasibleSet& set) {
+  std::string broken;
+  for (std::size_t i = 0; i < set.inequalities.size(); ++i) {
+    const LinearInequality& c = set.inequalities[i];
+    if (violation(nearest, {set.bounds, {c}}) > 0.0)
+      broken += fmt::format("{} {} is {} and must be at most {}", broken.empty() ? "" : " and",
+                            c.name.empty() ? fmt::format("constraint {}", i + 1) : c.name,
+                            c.coefficients.dot(nearest), c.bound);
+  }
+  return {nearest, std::numeric_limits<double>::infinity(), Termination::failed,
+          "no point was found that obeys all constraints at once; at the nearest" + broken};
 }
 
 }  // namespace
@@ -189,35 +102,38 @@ const char* to_string(Termination termination) {
 
 Minimum minimize(const Objective& objective, const Vector& start, const Bounds& bounds,
                  const MinimizerOptions& options) {
-  check_bounds(bounds);
-  if (start.size() != bounds.lower.size() || !start.allFinite())
-    throw InputError(fmt::format("a start of {} coordinates, which must be {} finite numbers",
-                                 start.size(), bounds.lower.size()));
-  if (options.max_evaluations < 1)
-    throw InputError(
-        fmt::format("max_evaluations is {}; it must be at least 1", options.max_evaluations));
+  return minimize(objective, start, FeasibleSet{bounds}, options);
+}
+
+Minimum minimize(const Objective& objective, const Vector& start, const FeasibleSet& set,
+                 const MinimizerOptions& options) {
+  check_problem(start, set, options);
   const Clock::time_point begin = Clock::now();
-  const Vector first = project(start, bounds);
-  Recorder recorder(objective, bounds, first);
+  const ReducedSet space(set);
+  const Vector first = nearest_feasible(rounded(start, set), space);
+  if (violation(first, set) > 0.0) return without_feasible_point(first, set);
+  Recorder recorder(objective, space, first);
 
   Algorithm algorithm = options.algorithm;
-  nlopt_result result = run(algorithm, first, bounds, options, recorder);
-  while (result < 0 && fallback_of(algorithm) && recorder.evaluations() < options.max_evaluations) {
-    algorithm = *fallback_of(algorithm);
-    result = run(algorithm, recorder.best(), bounds, options, recorder);
+  nlopt_result result = run_nlopt(algorithm, first, options, recorder);
+  while (result < 0 && fallback_of(algorithm, set) && recorder.points() < options.max_evaluations) {
+    algorithm = *fallback_of(algorithm, set);
+    result = run_nlopt(algorithm, recorder.best(), options, recorder);
   }
-  const Verdict v = verdict(result, algorithm, recorder.best_value(), recorder.evaluations());
+  const Verdict v = verdict(result, algorithm, recorder);
   return {recorder.best(), recorder.best_value(),  v.termination,
           v.message,       recorder.evaluations(), seconds_since(begin)};
 }
 
-Minimum multi_start(const Objective& objective, const Matrix& starts, const Bounds& bounds,
-                    const Minimizer& minimizer, unsigned threads) {
+namespace {
+
+Minimum best_of_starts(const Matrix& starts, unsigned threads,
+                       const std::function<Minimum(const Vector& start)>& search) {
   if (starts.rows() < 1) throw InputError("a multi-start minimisation needs at least one start");
   const Clock::time_point begin = Clock::now();
   std::vector<Minimum> minima(static_cast<std::size_t>(starts.rows()));
   parallel_for(minima.size(), threads, [&](std::size_t i) {
-    minima[i] = minimizer.minimize(objective, starts.row(static_cast<Eigen::Index>(i)), bounds);
+    minima[i] = search(starts.row(static_cast<Eigen::Index>(i)));
   });
   std::size_t best = 0;
   int evaluations = 0;
@@ -229,6 +145,22 @@ Minimum multi_start(const Objective& objective, const Matrix& starts, const Boun
   result.evaluations = evaluations;
   result.seconds = seconds_since(begin);
   return result;
+}
+
+}  // namespace
+
+Minimum multi_start(const Objective& objective, const Matrix& starts, const Bounds& bounds,
+                    const Minimizer& minimizer, unsigned threads) {
+  return best_of_starts(starts, threads, [&](const Vector& start) {
+    return minimizer.minimize(objective, start, bounds);
+  });
+}
+
+Minimum multi_start(const Objective& objective, const Matrix& starts, const FeasibleSet& set,
+                    const MinimizerOptions& options, unsigned threads) {
+  return best_of_starts(starts, threads, [&](const Vector& start) {
+    return minimize(objective, start, set, options);
+  });
 }
 
 }  // namespace repose::opt

@@ -1,4 +1,5 @@
-// Minimises a function inside a box: NLopt behind one door, and a door for the user's own method.
+// Minimises a function inside a box or a feasible set: NLopt behind one door, and a door for the
+// user's own method.
 #pragma once
 
 #include <concepts>
@@ -8,11 +9,12 @@
 #include <type_traits>
 #include <utility>
 
-#include "repose/opt/objective.hpp"
+#include "repose/opt/feasible_set.hpp"
 
 namespace repose::opt {
 
 /// Local with gradient: lbfgs, slsqp. Local without: bobyqa. Global without: crs2, direct_l, isres.
+/// slsqp and isres take linear constraints, all take ties.
 enum class Algorithm { lbfgs, slsqp, bobyqa, crs2, direct_l, isres };
 
 struct MinimizerOptions {
@@ -22,7 +24,8 @@ struct MinimizerOptions {
   double absolute_x_tolerance = 1e-10;
   /// Stop when |f_new - f| <= relative_f_tolerance |f|.
   double relative_f_tolerance = 1e-12;
-  /// All evaluations, those of a fallback included. Global methods use all of them.
+  /// All evaluations, those of a fallback included. Global methods use all of them; points that
+  /// break a constraint are not evaluated, but count here.
   int max_evaluations = 2000;
   /// First step of bobyqa as a fraction of the range; 0: chosen from start and bounds.
   double initial_step = 0.0;
@@ -52,6 +55,15 @@ struct Minimum {
 /// the next of lbfgs -> slsqp -> bobyqa while evaluations are left. Same arguments, same bits.
 /// Throws InputError on bad bounds or a start of the wrong length; exceptions of `objective` pass.
 Minimum minimize(const Objective& objective, const Vector& start, const Bounds& bounds,
+                 const MinimizerOptions& options = {});
+
+/// The same inside a feasible set. A start that breaks constraints is first moved to the nearest
+/// point that obeys them; the objective is asked at no point that breaks one by more than rounding
+/// (1e-10 of its range), and the best point has violation() == 0. slsqp then has no fallback.
+/// Termination::failed with the constraints by name where no point obeys all of them at once.
+/// Throws InputError on what check_feasible_set refuses, on inequalities for a method that takes
+/// none, and on whole numbers: these want minimize_genetic or minimize_cma_es.
+Minimum minimize(const Objective& objective, const Vector& start, const FeasibleSet& set,
                  const MinimizerOptions& options = {});
 
 /// Something that minimises: any struct with this one member function.
@@ -92,5 +104,9 @@ class Minimizer {
 /// objective is called from several threads at once.
 Minimum multi_start(const Objective& objective, const Matrix& starts, const Bounds& bounds,
                     const Minimizer& minimizer = {}, unsigned threads = 1);
+
+/// The same inside a feasible set.
+Minimum multi_start(const Objective& objective, const Matrix& starts, const FeasibleSet& set,
+                    const MinimizerOptions& options, unsigned threads = 1);
 
 }  // namespace repose::opt
