@@ -21,6 +21,11 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+const char* algorithm_name(Algorithm algorithm) {
+  constexpr const char* kNames[] = {"lbfgs", "slsqp", "bobyqa", "crs2", "direct_l", "isres"};
+  return kNames[static_cast<int>(algorithm)];
+}
+
 /// None where there are constraints: bobyqa takes none, and a global search would be another thing.
 std::optional<Algorithm> fallback_of(Algorithm algorithm, const FeasibleSet& set) {
   if (!set.inequalities.empty()) return std::nullopt;
@@ -41,6 +46,9 @@ void check_problem(const Vector& start, const FeasibleSet& set, const MinimizerO
   if (options.max_evaluations < 1)
     throw InputError(
         fmt::format("max_evaluations is {}; it must be at least 1", options.max_evaluations));
+  if (!(options.initial_curvature >= 0.0) || !std::isfinite(options.initial_curvature))
+    throw InputError(fmt::format("initial_curvature is {}; it must be 0 or a finite number above",
+                                 options.initial_curvature));
   if (!set.whole.empty())
     throw InputError(fmt::format(
         "coordinate {} is to be a whole number, which {} does not know; the genetic algorithm and "
@@ -65,14 +73,26 @@ std::string count_of(const Recorder& recorder) {
                      recorder.evaluations());
 }
 
-Verdict verdict(nlopt_result result, Algorithm algorithm, const Recorder& recorder) {
+/// One method from x; what it found is in the recorder.
+RunEnd run(Algorithm algorithm, const Vector& x, const MinimizerOptions& options,
+           Recorder& recorder) {
+  if (algorithm != Algorithm::lbfgs) return run_nlopt(algorithm, x, options, recorder);
+  const Objective objective = [&](const Vector& y, Vector* gradient) {
+    return recorder.value_at(y, gradient);
+  };
+  const ReducedSet& space = recorder.space();
+  return run_lbfgs(objective, space.reduced(x), space.bounds(), options,
+                   options.max_evaluations - recorder.points());
+}
+
+Verdict verdict(RunEnd end, Algorithm algorithm, const Recorder& recorder) {
   const char* name = algorithm_name(algorithm);
   const std::string count = count_of(recorder);
   if (!std::isfinite(recorder.best_value()))
     return {Termination::failed, fmt::format("no finite value in {}; start elsewhere", count)};
-  if (result == NLOPT_MAXEVAL_REACHED)
+  if (end == RunEnd::budget)
     return {Termination::budget, fmt::format("{}: all {} used", name, count)};
-  if (result > 0)
+  if (end == RunEnd::converged)
     return {Termination::converged, fmt::format("{}: converged after {}", name, count)};
   const bool constrained = !recorder.space().set().inequalities.empty();
   return {Termination::round_off,
@@ -105,7 +125,8 @@ Minimum minimize(const Objective& objective, const Vector& start, const Bounds& 
   return minimize(objective, start, FeasibleSet{bounds}, options);
 }
 
-Minimum minimize(const Objective& objective, const Vector& start, const FeasibleSet& set,
+template <std::same_as<FeasibleSet> Set>
+Minimum minimize(const Objective& objective, const Vector& start, const Set& set,
                  const MinimizerOptions& options) {
   check_problem(start, set, options);
   const Clock::time_point begin = Clock::now();
@@ -115,12 +136,13 @@ Minimum minimize(const Objective& objective, const Vector& start, const Feasible
   Recorder recorder(objective, space, first);
 
   Algorithm algorithm = options.algorithm;
-  nlopt_result result = run_nlopt(algorithm, first, options, recorder);
-  while (result < 0 && fallback_of(algorithm, set) && recorder.points() < options.max_evaluations) {
+  RunEnd end = run(algorithm, first, options, recorder);
+  while (end == RunEnd::gave_up && fallback_of(algorithm, set) &&
+         recorder.points() < options.max_evaluations) {
     algorithm = *fallback_of(algorithm, set);
-    result = run_nlopt(algorithm, recorder.best(), options, recorder);
+    end = run(algorithm, recorder.best(), options, recorder);
   }
-  const Verdict v = verdict(result, algorithm, recorder);
+  const Verdict v = verdict(end, algorithm, recorder);
   return {recorder.best(), recorder.best_value(),  v.termination,
           v.message,       recorder.evaluations(), seconds_since(begin)};
 }
@@ -156,11 +178,17 @@ Minimum multi_start(const Objective& objective, const Matrix& starts, const Boun
   });
 }
 
-Minimum multi_start(const Objective& objective, const Matrix& starts, const FeasibleSet& set,
+template <std::same_as<FeasibleSet> Set>
+Minimum multi_start(const Objective& objective, const Matrix& starts, const Set& set,
                     const MinimizerOptions& options, unsigned threads) {
   return best_of_starts(starts, threads, [&](const Vector& start) {
     return minimize(objective, start, set, options);
   });
 }
+
+template Minimum minimize(const Objective&, const Vector&, const FeasibleSet&,
+                          const MinimizerOptions&);
+template Minimum multi_start(const Objective&, const Matrix&, const FeasibleSet&,
+                             const MinimizerOptions&, unsigned);
 
 }  // namespace repose::opt

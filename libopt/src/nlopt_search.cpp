@@ -1,18 +1,18 @@
 #include "nlopt_search.hpp"
 
 #include <fmt/format.h>
+#include <nlopt.h>
 
-#include <algorithm>
 #include <cmath>
+#include <exception>
+#include <limits>
 #include <memory>
+#include <vector>
 
 #include "repose/base/error.hpp"
 
 namespace repose::opt {
 namespace {
-
-/// In ranges of a constraint: what SLSQP may leave of it by rounding.
-constexpr double kConstraintRounding = 1e-10;
 
 struct NloptDeleter {
   void operator()(nlopt_opt handle) const { nlopt_destroy(handle); }
@@ -22,7 +22,7 @@ using NloptHandle = std::unique_ptr<nlopt_opt_s, NloptDeleter>;
 nlopt_algorithm nlopt_name(Algorithm algorithm) {
   switch (algorithm) {
     case Algorithm::lbfgs:
-      return NLOPT_LD_LBFGS;
+      break;  // ours, lbfgs.hpp
     case Algorithm::slsqp:
       return NLOPT_LD_SLSQP;
     case Algorithm::bobyqa:
@@ -34,7 +34,7 @@ nlopt_algorithm nlopt_name(Algorithm algorithm) {
     case Algorithm::isres:
       return NLOPT_GN_ISRES;
   }
-  throw Error(ErrorKind::internal, "unknown minimisation algorithm");
+  throw Error(ErrorKind::internal, "no algorithm of NLopt");
 }
 
 void require(nlopt_result result, const char* setting) {
@@ -78,6 +78,29 @@ void set_tolerances(nlopt_opt handle, Algorithm algorithm, const Bounds& bounds,
   }
 }
 
+/// The recorder as NLopt calls it; exceptions wait until NLopt has returned.
+struct Callback {
+  Recorder& recorder;
+  nlopt_opt handle;
+  Vector gradient;
+  std::exception_ptr error = nullptr;
+};
+
+double call(unsigned n, const double* y, double* gradient, void* callback) {
+  auto& self = *static_cast<Callback*>(callback);
+  const auto size = static_cast<Eigen::Index>(n);
+  try {
+    const double value = self.recorder.value_at(Eigen::Map<const Vector>(y, size),
+                                                gradient != nullptr ? &self.gradient : nullptr);
+    if (gradient != nullptr) Eigen::Map<Vector>(gradient, size) = self.gradient;
+    return std::isfinite(value) ? value : self.recorder.penalty();
+  } catch (...) {
+    self.error = std::current_exception();
+    nlopt_force_stop(self.handle);
+    return 0.0;
+  }
+}
+
 /// (u - wanted)^2 / 2.
 double half_square(unsigned n, const double* u, double* gradient, void* wanted) {
   const Vector off =
@@ -88,87 +111,21 @@ double half_square(unsigned n, const double* u, double* gradient, void* wanted) 
 
 }  // namespace
 
-ReducedSet::ReducedSet(const FeasibleSet& set) : set_(set), free_(free_coordinates(set)) {
-  const Bounds all = narrowed_bounds(set);
-  bounds_ = {all.lower(free_), all.upper(free_)};
-  for (LinearInequality c : set.inequalities) {
-    for (const LinearTie& tie : set.ties) c.bound -= c.coefficients[tie.follower] * tie.offset;
-    c.coefficients = reduced_gradient(c.coefficients);
-    const double range = c.coefficients.cwiseAbs().dot(bounds_.upper - bounds_.lower);
-    if (!(range > 0.0)) continue;  // the same everywhere, and check_feasible_set has seen it
-    c.coefficients /= range;
-    c.bound /= range;
-    inequalities_.push_back(std::move(c));
-  }
-}
-
-Vector ReducedSet::complete(const Vector& y) const {
-  if (set_.ties.empty()) return project(y, bounds_);
-  Vector x = set_.bounds.lower;
-  x(free_) = y;
-  return rounded(x, set_);
-}
-
-Vector ReducedSet::reduced_gradient(const Vector& gradient) const {
-  Vector all = gradient;
-  for (const LinearTie& tie : set_.ties) all[tie.leader] += tie.ratio * gradient[tie.follower];
-  return all(free_);
-}
-
-double Recorder::call(unsigned n, const double* y, double* gradient, void* self) {
-  auto& recorder = *static_cast<Recorder*>(self);
-  try {
-    return recorder.evaluate(Eigen::Map<const Vector>(y, static_cast<Eigen::Index>(n)), gradient);
-  } catch (...) {
-    recorder.error_ = std::current_exception();
-    nlopt_force_stop(recorder.handle_);
-    return 0.0;
-  }
-}
-
-double Recorder::evaluate(const Vector& y, double* gradient) {
-  ++points_;
-  x_ = space_.complete(y);
-  gradient_.setZero();
-  const double off = violation(x_, space_.set());
-  double value = std::numeric_limits<double>::quiet_NaN();
-  if (off <= kConstraintRounding) {
-    ++evaluations_;
-    value = objective_(x_, gradient != nullptr ? &gradient_ : nullptr);
-  }
-  if (gradient != nullptr) {
-    const Vector safe = gradient_.array().isFinite().select(gradient_, 0.0);
-    Eigen::Map<Vector>(gradient, y.size()) = space_.reduced_gradient(safe);
-  }
-  return remember(value, off);
-}
-
-double Recorder::remember(double value, double violation) {
-  if (!std::isfinite(value))
-    return std::isfinite(worst_) ? worst_ + 10.0 * (1.0 + std::abs(worst_)) : 1e30;
-  worst_ = std::max(worst_, value);
-  if (value < best_value_ && violation == 0.0) {
-    best_value_ = value;
-    best_ = x_;
-  }
-  return value;
-}
-
-nlopt_result run_nlopt(Algorithm algorithm, const Vector& x, const MinimizerOptions& options,
-                       Recorder& recorder) {
+RunEnd run_nlopt(Algorithm algorithm, const Vector& x, const MinimizerOptions& options,
+                 Recorder& recorder) {
   const ReducedSet& space = recorder.space();
   const NloptHandle handle = make_handle(algorithm, space.bounds(), space.inequalities(),
                                          options.max_evaluations - recorder.points());
   set_tolerances(handle.get(), algorithm, space.bounds(), options);
-  require(nlopt_set_min_objective(handle.get(), &Recorder::call, &recorder), "the objective");
-  recorder.attach(handle.get());
+  Callback callback{recorder, handle.get(), Vector(space.bounds().lower.size())};
+  require(nlopt_set_min_objective(handle.get(), call, &callback), "the objective");
   nlopt_srand(static_cast<unsigned long>(options.seed));  // a state of this thread
   Vector y = space.reduced(x);
   double value = 0.0;
   const nlopt_result result = nlopt_optimize(handle.get(), y.data(), &value);
-  recorder.attach(nullptr);
-  recorder.rethrow();
-  return result;
+  if (callback.error) std::rethrow_exception(callback.error);
+  if (result == NLOPT_MAXEVAL_REACHED) return RunEnd::budget;
+  return result > 0 ? RunEnd::converged : RunEnd::gave_up;
 }
 
 Vector nearest_feasible(const Vector& x, const ReducedSet& space) {
@@ -197,11 +154,6 @@ Vector nearest_feasible(const Vector& x, const ReducedSet& space) {
     if (violation(best, space.set()) == 0.0) break;
   }
   return best;
-}
-
-const char* algorithm_name(Algorithm algorithm) {
-  constexpr const char* kNames[] = {"lbfgs", "slsqp", "bobyqa", "crs2", "direct_l", "isres"};
-  return kNames[static_cast<int>(algorithm)];
 }
 
 }  // namespace repose::opt

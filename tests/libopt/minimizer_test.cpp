@@ -138,7 +138,7 @@ TEST(Minimize, LetsExceptionsOfTheObjectivePass) {
 
 TEST(Minimize, RefusesBadArguments) {
   EXPECT_THROW(minimize(rosenbrock, Vector::Zero(2), kBox), InputError);
-  EXPECT_THROW(minimize(rosenbrock, kStart, Bounds{kBox.upper, kBox.lower}), InputError);
+  EXPECT_THROW(minimize(rosenbrock, kStart, {kBox.upper, kBox.lower}), InputError);
   EXPECT_THROW(minimize(rosenbrock, kStart, kBox, {.max_evaluations = 0}), InputError);
 }
 

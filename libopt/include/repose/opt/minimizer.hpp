@@ -1,4 +1,4 @@
-// Minimises a function inside a box or a feasible set: NLopt behind one door, and a door for the
+// Minimises a function inside a box or a feasible set: L-BFGS and NLopt behind one door, one for the
 // user's own method.
 #pragma once
 
@@ -13,8 +13,8 @@
 
 namespace repose::opt {
 
-/// Local with gradient: lbfgs, slsqp. Local without: bobyqa. Global without: crs2, direct_l, isres.
-/// slsqp and isres take linear constraints, all take ties.
+/// Local with gradient: lbfgs (projected, ours), slsqp. Local without: bobyqa. Global without:
+/// crs2, direct_l, isres. slsqp and isres take linear constraints, all take ties.
 enum class Algorithm { lbfgs, slsqp, bobyqa, crs2, direct_l, isres };
 
 struct MinimizerOptions {
@@ -29,6 +29,9 @@ struct MinimizerOptions {
   int max_evaluations = 2000;
   /// First step of bobyqa as a fraction of the range; 0: chosen from start and bounds.
   double initial_step = 0.0;
+  /// Second derivative that lbfgs assumes where its steps have not told it; 0: that of the newest
+  /// step, which takes no notice of units. >= 0.
+  double initial_curvature = 0.0;
   /// Of crs2 and isres.
   std::uint64_t seed = 1;
 };
@@ -63,7 +66,9 @@ Minimum minimize(const Objective& objective, const Vector& start, const Bounds& 
 /// Termination::failed with the constraints by name where no point obeys all of them at once.
 /// Throws InputError on what check_feasible_set refuses, on inequalities for a method that takes
 /// none, and on whole numbers: these want minimize_genetic or minimize_cma_es.
-Minimum minimize(const Objective& objective, const Vector& start, const FeasibleSet& set,
+/// `Set` is FeasibleSet by its name: {lower, upper} in braces are Bounds.
+template <std::same_as<FeasibleSet> Set>
+Minimum minimize(const Objective& objective, const Vector& start, const Set& set,
                  const MinimizerOptions& options = {});
 
 /// Something that minimises: any struct with this one member function.
@@ -106,7 +111,8 @@ Minimum multi_start(const Objective& objective, const Matrix& starts, const Boun
                     const Minimizer& minimizer = {}, unsigned threads = 1);
 
 /// The same inside a feasible set.
-Minimum multi_start(const Objective& objective, const Matrix& starts, const FeasibleSet& set,
-                    const MinimizerOptions& options, unsigned threads = 1);
+template <std::same_as<FeasibleSet> Set>
+Minimum multi_start(const Objective& objective, const Matrix& starts, const Set& set,
+                    const MinimizerOptions& options = {}, unsigned threads = 1);
 
 }  // namespace repose::opt
