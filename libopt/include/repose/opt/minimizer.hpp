@@ -1,5 +1,5 @@
-// Minimises a function inside a box or a feasible set: L-BFGS and NLopt behind one door, one for the
-// user's own method.
+// Minimises a function inside a box or a feasible set: the library's methods behind one door, and
+// a door for the user's own.
 #pragma once
 
 #include <concepts>
