@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/QR>
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <exception>
@@ -74,7 +75,7 @@ class Model {
   Vector linearised(const Vector& x, Matrix& jacobian) {
     if (options_.derivatives == Derivatives::numeric) {
       Vector r = residuals_at(x);
-      jacobian = differences(x, r.size());
+      jacobian = differences(x, r);
       return r;
     }
     jacobian = Matrix::Constant(count_, x.size(), std::numeric_limits<double>::quiet_NaN());
@@ -86,20 +87,27 @@ class Model {
   }
 
  private:
-  /// Between x - h and x + h or what the bounds leave of it, h = eps^(1/3) of x or of a thousandth
-  /// of the range.
-  Matrix differences(const Vector& x, Eigen::Index n) {
+  /// Central differences over x - h, x + h; where a bound is in the way x, x + h, x + 2 h or their
+  /// mirror, of second order too. h = eps^(1/3) of |x| or of a millionth of the range.
+  Matrix differences(const Vector& x, const Vector& r) {
     static const double kStep = std::cbrt(std::numeric_limits<double>::epsilon());
-    Matrix jacobian = Matrix::Zero(n, x.size());
+    Matrix jacobian = Matrix::Zero(r.size(), x.size());
     for (const Eigen::Index k : free_) {
-      const double range = bounds_.upper[k] - bounds_.lower[k];
-      const double h = kStep * std::max(std::abs(x[k]), 1e-6 * range);
-      Vector low = x, high = x;
-      low[k] = std::max(bounds_.lower[k], x[k] - h);
-      high[k] = std::min(bounds_.upper[k], x[k] + h);
-      jacobian.col(k) = (residuals_at(high) - residuals_at(low)) / (high[k] - low[k]);
+      const double below = x[k] - bounds_.lower[k], above = bounds_.upper[k] - x[k];
+      const double h = kStep * std::max(std::abs(x[k]), 1e-6 * (below + above));
+      if (below >= h && above >= h) {
+        jacobian.col(k) = (shifted(x, k, h) - shifted(x, k, -h)) / (2.0 * h);
+      } else {
+        const double s = above >= below ? std::min(h, 0.5 * above) : -std::min(h, 0.5 * below);
+        jacobian.col(k) = (4.0 * shifted(x, k, s) - shifted(x, k, 2.0 * s) - 3.0 * r) / (2.0 * s);
+      }
     }
     return jacobian;
+  }
+
+  Vector shifted(Vector x, Eigen::Index k, double step) {
+    x[k] = std::clamp(x[k] + step, bounds_.lower[k], bounds_.upper[k]);
+    return residuals_at(x);
   }
 
   const Residuals& residuals_;

@@ -194,6 +194,22 @@ TEST(LeastSquares, StopAtTheBoundThatIsInTheWay) {
   EXPECT_NEAR(fit_least_squares(line, Vector::Zero(2), fixed).x[0], r.x[0], 1e-8);
 }
 
+// r = exp(2 b) - t, of which the differences may only ask inside [0, 1]; the minimum is at a bound
+// or a hair inside it.
+TEST(LeastSquares, DifferencesStayInsideTheBounds) {
+  for (const double b : {0.0, 1e-9, 0.3, 1.0}) {
+    const Residuals exponential = [&](const Vector& x, Matrix*) {
+      EXPECT_TRUE(x[0] >= 0.0 && x[0] <= 1.0) << x[0];
+      return Vector{{std::exp(2.0 * x[0]) - std::exp(2.0 * b), 0.1}};
+    };
+    const LeastSquaresResult r =
+        fit_least_squares(exponential, Vector::Constant(1, 0.9), unit_cube(1));
+    EXPECT_NEAR(r.x[0], b, 1e-8) << r.message;
+    if (b != 0.3) continue;
+    EXPECT_NEAR(r.covariance(0, 0), 0.01 / (4.0 * std::exp(1.2)), 1e-8);  // s^2/J^2
+  }
+}
+
 class RobustLoss : public testing::TestWithParam<Loss> {};
 
 double rho(Loss loss, double s) {
