@@ -1,7 +1,7 @@
 // Definitions behind dense.hpp, compiled once for each instruction set. The including file says in
 // REPOSE_DENSE_NAME what it is; it may have renamed the namespace Eigen, so that no template
 // instance is shared between instruction sets.
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
@@ -13,7 +13,8 @@ namespace {
 using Square = Eigen::Map<Eigen::MatrixXd>;
 using ConstSquare = Eigen::Map<const Eigen::MatrixXd>;
 
-constexpr Index kBlock = 64;
+/// Columns that are worked on together: as few as fill a matrix product's registers.
+constexpr Index kBlock = 24;
 
 // Whether a number is met by a vector instruction or not must not depend on where its array happens
 // to lie, or the last bits of exponentials and sums would. So exponentials go by chunks that are
@@ -107,27 +108,47 @@ double weighted_square_sum_(const double* x, Index n, double q, const double* c)
   return sums.sum() + rest;
 }
 
+/// Columns [k, k + size) of the factor, those to their left being done.
+bool factor_panel(Eigen::MatrixXd& a, Index k, Index size) {
+  const Index n = a.rows();
+  if (k > 0)
+    a.block(k, k, n - k, size).noalias() -=
+        a.block(k, 0, n - k, k) * a.block(k, 0, size, k).transpose();
+  for (Index j = k; j < k + size; ++j) {
+    auto column = a.col(j).tail(n - j);
+    for (Index i = k; i < j; ++i) column -= a(j, i) * a.col(i).tail(n - j);
+    if (!(a(j, j) > 0.0)) return false;
+    column /= std::sqrt(a(j, j));
+  }
+  return true;
+}
+
 bool cholesky_(double* a, Index n) {
   thread_local Eigen::MatrixXd m;
   m = ConstSquare(a, n, n);
-  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(m);
+  for (Index k = 0; k < n; k += kBlock)
+    if (!factor_panel(m, k, std::min(kBlock, n - k))) return false;
   Square(a, n, n).triangularView<Eigen::Lower>() = m;
-  return llt.info() == Eigen::Success;
+  return true;
 }
 
+/// By blocks of rows, P_bb = L_bb^-1 and P_b = -P_bb L_b P of the rows above.
 void lower_inverse_(const double* l_data, Index n, double* p_data) {
   thread_local Eigen::MatrixXd l;
   thread_local Eigen::MatrixXd p;
+  thread_local Eigen::MatrixXd left;
   l = ConstSquare(l_data, n, n);
   p.setZero(n, n);
+  left.resize(kBlock, n);
   for (Index b = 0; b < n; b += kBlock) {
     const Index s = std::min(kBlock, n - b);
-    const auto diagonal = l.block(b, b, s, s).triangularView<Eigen::Lower>();
-    p.block(b, b, s, s) = diagonal.solve(Eigen::MatrixXd::Identity(s, s));
-    if (b == 0) continue;
-    const Eigen::MatrixXd left =
-        l.block(b, 0, s, b) * p.topLeftCorner(b, b).triangularView<Eigen::Lower>();
-    p.block(b, 0, s, b) = -diagonal.solve(left);
+    p.block(b, b, s, s) =
+        l.block(b, b, s, s).triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(s, s));
+    for (Index c = 0; c < b; c += 2 * kBlock) {
+      const Index t = std::min(2 * kBlock, b - c);
+      left.block(0, c, s, t).noalias() = l.block(b, c, s, b - c) * p.block(c, c, b - c, t);
+    }
+    if (b > 0) p.block(b, 0, s, b).noalias() = -p.block(b, b, s, s) * left.topLeftCorner(s, b);
   }
   Square(p_data, n, n) = p;
 }
