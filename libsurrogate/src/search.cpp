@@ -22,10 +22,10 @@ constexpr double kLeastNoise = 1e-14;
 constexpr double kMostNoise = 1e4;
 constexpr double kLeastAmplitude = 1e-10;
 constexpr double kMostAmplitude = 1e12;
-// Starts: the best of a grid, length scales as fractions of sqrt(d) ranges; then jittered copies of
-// it.
+// Starts: the best of a grid at each noise ratio, length scales as fractions of sqrt(d) ranges;
+// then jittered copies of the best.
 constexpr double kGridScales[] = {0.02, 0.0632, 0.2, 0.632, 2.0};
-constexpr double kGridNoise[] = {1e-4, 1e-2, 0.3};
+constexpr double kGridNoise[] = {1e-8, 1e-3, 0.1};
 constexpr double kGridAmplitude[] = {0.5, 5.0};
 constexpr double kScaleJitter = 0.35;
 constexpr double kOtherJitter = 1.5;
@@ -44,34 +44,63 @@ std::vector<Eigen::Index> free_parameters(const opt::Bounds& bounds) {
   return free;
 }
 
-/// Isotropic starting points: every combination of scale, noise and amplitude.
-std::vector<Vector> grid(const NegativeLogPosterior& objective, const SearchSpace& space,
-                         const Dataset& data) {
+struct GridPoint {
+  Vector p;
+  double value = 0.0;
+};
+
+/// Isotropic points, every combination of scale and amplitude, at one noise ratio: the best.
+GridPoint best_of_grid(const NegativeLogPosterior& objective, const SearchSpace& space,
+                       const Dataset& data, double noise_ratio, int& evaluations) {
   const Eigen::Index scales = data.encoding.scales();
   const double root = std::sqrt(static_cast<double>(data.dimension()));
-  std::vector<Vector> points;
+  GridPoint best;
   for (const double scale : kGridScales)
-    for (const double ratio : kGridNoise)
-      for (const double amplitude : kGridAmplitude) {
-        if (!objective.estimates_noise() && ratio != kGridNoise[0]) continue;
-        if (!objective.searches_amplitude() && amplitude != kGridAmplitude[0]) continue;
-        Vector p = Vector::Zero(objective.size());
-        p.head(scales).setConstant(std::log(scale * root));
-        if (objective.searches_amplitude())
-          p[objective.amplitude_parameter()] = std::log(amplitude);
-        if (objective.estimates_noise()) p[objective.noise_parameter()] = std::log(ratio);
-        points.push_back(opt::project(p, space.bounds));
-      }
+    for (const double amplitude : kGridAmplitude) {
+      if (!objective.searches_amplitude() && amplitude != kGridAmplitude[0]) continue;
+      Vector p = Vector::Zero(objective.size());
+      p.head(scales).setConstant(std::log(scale * root));
+      if (objective.searches_amplitude()) p[objective.amplitude_parameter()] = std::log(amplitude);
+      if (objective.estimates_noise()) p[objective.noise_parameter()] = std::log(noise_ratio);
+      p = opt::project(p, space.bounds);
+      const double value = objective(p, nullptr);
+      ++evaluations;
+      if (best.p.size() == 0 || value < best.value) best = {p, value};
+    }
+  return best;
+}
+
+/// The best of the grid at every noise ratio, best first. A likelihood has one optimum that takes
+/// what it does not understand for noise and another that takes it for signal, and no search leaves
+/// the one for the other [Rasmussen2006, section 5.4.1].
+std::vector<GridPoint> best_by_noise(const NegativeLogPosterior& objective,
+                                     const SearchSpace& space, const Dataset& data,
+                                     int& evaluations) {
+  std::vector<GridPoint> points;
+  for (const double ratio : kGridNoise) {
+    const GridPoint best = best_of_grid(objective, space, data, ratio, evaluations);
+    const bool is_new = std::none_of(points.begin(), points.end(),
+                                     [&](const GridPoint& g) { return g.p == best.p; });
+    if (is_new) points.push_back(best);
+    if (!objective.estimates_noise()) break;
+  }
+  std::stable_sort(points.begin(), points.end(),
+                   [](const GridPoint& a, const GridPoint& b) { return a.value < b.value; });
   return points;
 }
 
-Matrix jittered_starts(const Vector& best, Eigen::Index scales, const opt::Bounds& bounds,
-                       const GaussianProcessOptions& options) {
-  Matrix rows(options.starts, best.size());
-  rows.row(0) = best;
-  for (Eigen::Index s = 1; s < options.starts; ++s) {
+/// As many of the points as there are starts, then jittered copies of the first.
+Matrix make_starts(const std::vector<GridPoint>& points, Eigen::Index scales,
+                   const opt::Bounds& bounds, const GaussianProcessOptions& options) {
+  Matrix rows(options.starts, points[0].p.size());
+  for (Eigen::Index s = 0; s < options.starts; ++s) {
+    const auto index = static_cast<std::size_t>(s);
+    if (index < points.size()) {
+      rows.row(s) = points[index].p;
+      continue;
+    }
     RandomStream random(options.seed, static_cast<std::uint64_t>(s));
-    Vector p = best;
+    Vector p = points[0].p;
     for (Eigen::Index k = 0; k < p.size(); ++k)
       p[k] += (k < scales ? kScaleJitter : kOtherJitter) * random.normal();
     rows.row(s) = opt::project(p, bounds);
@@ -143,21 +172,16 @@ Vector default_parameters(const NegativeLogPosterior& objective, const SearchSpa
 
 opt::Minimum search(const NegativeLogPosterior& objective, const SearchSpace& space,
                     const Dataset& data, const GaussianProcessOptions& options) {
-  Vector best;
-  double best_value = std::numeric_limits<double>::infinity();
   int evaluations = 0;
-  for (const Vector& p : grid(objective, space, data)) {
-    const double value = objective(p, nullptr);
-    ++evaluations;
-    if (value < best_value || best.size() == 0) {
-      best = p;
-      best_value = value;
-    }
-  }
+  const std::vector<GridPoint> points = best_by_noise(objective, space, data, evaluations);
+  const Vector& best = points[0].p;
   const std::vector<Eigen::Index> free = free_parameters(space.bounds);
   if (free.empty())
-    return {best,        best_value, opt::Termination::converged, "every parameter was given",
-            evaluations, 0.0};
+    return {.x = best,
+            .value = points[0].value,
+            .termination = opt::Termination::converged,
+            .message = "every parameter was given",
+            .evaluations = evaluations};
   const auto complete = [&](const Vector& part) {
     Vector p = best;
     p(free) = part;
@@ -171,7 +195,7 @@ opt::Minimum search(const NegativeLogPosterior& objective, const SearchSpace& sp
     return value;
   };
   const Matrix starts =
-      jittered_starts(best, data.encoding.scales(), space.bounds, options)(Eigen::all, free);
+      make_starts(points, data.encoding.scales(), space.bounds, options)(Eigen::all, free);
   opt::Minimum minimum =
       opt::multi_start(reduced, starts, {space.bounds.lower(free), space.bounds.upper(free)},
                        options.minimizer, options.threads);

@@ -79,7 +79,9 @@ struct GaussianProcessOptions {
   Estimator estimator = Estimator::reml;
   Prior prior = Prior::jointly_robust;
   std::vector<ParameterBounds> bounds = {};  ///< of parameters that are not free
-  int starts = 5;                            ///< the best of a grid, and starts - 1 around it
+  /// The best of a grid at each of three noise ratios, where noise is searched for; the others
+  /// around the best of those.
+  int starts = 5;
   std::uint64_t seed = 1;
   unsigned threads =
       1;  ///< over starts; the result does not depend on it (0: one for each processor)
