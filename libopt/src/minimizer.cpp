@@ -68,7 +68,8 @@ struct Verdict {
 
 std::string count_of(const Recorder& recorder) {
   if (recorder.points() == recorder.evaluations())
-    return fmt::format("{} evaluations", recorder.evaluations());
+    return fmt::format("{} evaluation{}", recorder.evaluations(),
+                       recorder.evaluations() == 1 ? "" : "s");
   return fmt::format("{} points, {} of which obey the constraints", recorder.points(),
                      recorder.evaluations());
 }
