@@ -18,7 +18,9 @@ constexpr double kShortest = 0.02;
 constexpr double kLongest = 1e5;
 constexpr double kLeastAlpha = 1e-2;
 constexpr double kMostAlpha = 1e3;
-constexpr double kLeastNoise = 1e-14;
+/// Of a process variance that may be 10^6 of the response's; a few roundings of the diagonal's 1,
+/// below which the noise has no effect.
+constexpr double kLeastNoise = 1e-15;
 constexpr double kMostNoise = 1e4;
 constexpr double kLeastAmplitude = 1e-10;
 constexpr double kMostAmplitude = 1e12;

@@ -103,6 +103,20 @@ double friedman(const Vector& x) {
          10.0 * x[3] + 5.0 * x[4];
 }
 
+// 150 points of a polynomial but for one term: the process variance becomes 10^5 of the response's,
+// and the least noise ratio must be that much smaller. It costs 6 nats; at 1e-14 it cost 15.
+TEST(GaussianProcessFit, PaysFewNatsForLookingForNoiseThatIsNotThere) {
+  const Matrix x = opt::scrambled_uniforms(150, 5, 1);
+  const Vector y = at_rows(x, friedman);
+  const auto likelihood = [&](Noise noise) {
+    return GaussianProcess::fit(
+               x, y, opt::unit_cube(5),
+               {.noise = noise, .estimator = Estimator::ml, .prior = Prior::none, .starts = 3})
+        .negative_log_likelihood();
+  };
+  EXPECT_LE(likelihood(Noise::estimated), likelihood(Noise::none) + 8.0);
+}
+
 struct Accuracy {
   double median_rmse;
   double median_coverage95;  ///< of the function

@@ -37,7 +37,7 @@ class GaussianProcess {
  public:
   /// x: n x d in natural units, y: n values. Rows with equal x are repeats. A y that the trend
   /// explains gives amplitude 0: that trend, without doubt. Default bounds of the search: length
-  /// scales [0.02, 1e5] of the range, noise ratio [1e-14, 1e4], alpha [1e-2, 1e3]. Throws
+  /// scales [0.02, 1e5] of the range, noise ratio [1e-15, 1e4], alpha [1e-2, 1e3]. Throws
   /// InputError naming row and column on values that are not finite or not allowed, on fewer
   /// different points than coefficients + 1, on regression functions that depend on each other, on
   /// an empty range, and without noise on repeats that differ.
