@@ -16,7 +16,7 @@ from sklearn.exceptions import ConvergenceWarning
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel, Matern, WhiteKernel
 
-from gaussian_process_problems import latin_hypercube, negative_log_likelihood
+from gaussian_process_problems import latin_hypercube, negative_log_likelihoods
 
 LIMIT_S = 300
 ot.Log.Show(ot.Log.NONE)
@@ -124,8 +124,8 @@ def sklearn_fit(kernel, x, y, restarts, seed=1, starts=None):
 def theta_at(kernel, x, y, start):
     """scikit-learn's parameters (log amplitude, log scales, log noise) at the best amplitude there."""
     scales, ratio = np.exp(start[:-1]), math.exp(start[-1])
-    unit = negative_log_likelihood(kernel, x, y, scales, 1.0, ratio, mean='of y')
-    double = negative_log_likelihood(kernel, x, y, scales, 2.0, 2.0 * ratio, mean='of y')
+    unit = negative_log_likelihoods(kernel, x, y, scales, 1.0, ratio)['of y']
+    double = negative_log_likelihoods(kernel, x, y, scales, 2.0, 2.0 * ratio)['of y']
     n = len(y)  # the two differ by (n log 2)/2 - S/4, S = y' C^-1 y
     s = 4 * (.5 * n * math.log(2) - (double - unit))
     amplitude = max(s / n, 1e-3)
@@ -172,7 +172,7 @@ def openturns_run(x, y, nugget, starts):
     result = algorithm.getResult()
     p = np.array(result.getCovarianceModel().getParameter())
     scales, variance = p[:d], p[d] ** 2
-    value = negative_log_likelihood('matern52', x, y, scales, variance, nugget * variance)
+    value = negative_log_likelihoods('matern52', x, y, scales, variance, nugget * variance)['profiled']
     return result, scales, variance, value
 
 
