@@ -47,10 +47,17 @@ def table(head, rows):
     return '\n'.join(['| ' + ' | '.join(head) + ' |', '|' + '---|' * len(head)] + ['| ' + ' | '.join(r) + ' |' for r in rows])
 
 
+def stamp(made):
+    return f"{made['date']}, load {made['load']}, {made['commit']}"
+
+
 def made(stages, names):
-    parts = {f"{stages[n]['made']['date']}, load {stages[n]['made']['load']}, {stages[n]['made']['commit']}"
-             for n in names if 'made' in stages[n]}
-    return 'Measured ' + '; '.join(sorted(parts)) + '.'
+    return 'Measured ' + '; '.join(sorted({stamp(stages[n]['made']) for n in names if 'made' in stages[n]})) + '.'
+
+
+def made_by_side(stages, names):
+    """When the first fit of each was measured."""
+    return 'Measured from ' + '; '.join(f'{side} {stamp(m)}' for n in names for side, m in stages[n]['made'].items()) + '.'
 
 
 def references(stages, tally):
@@ -209,7 +216,7 @@ The same for functions that no requirement names, as a check that nothing was tu
 
 {held[1]}
 
-{made(stages, ['accuracy', 'held_out'])}'''
+{made_by_side(stages, ['accuracy', 'held_out'])}'''
 
 
 def write(stages, program):

@@ -251,13 +251,14 @@ def measure_side(repose, stage, side, functions):
     program = hashlib.sha1(pathlib.Path(repose.program).read_bytes()).hexdigest()
     if side.startswith('repose') and results.get('program') != program:
         results = {}
-    results.update(program=program, made=provenance())
+    results['program'] = program
     for function in functions:
         for noise in ('exact', 'noisy'):
             for seed in range(1, DESIGNS + 1):
                 key = f'{function.name}|{noise}|{seed}|{side}'
                 if key in results:
                     continue
+                results.setdefault('made', provenance())  # of the first fit
                 try:
                     results[key] = SIDES[side](repose, Problem(function, noise == 'noisy', seed), seed)
                 except Failure as failure:
@@ -275,10 +276,13 @@ def accuracy_of(functions, stage):
 
 
 def stored_sides(stage):
-    merged = {}
-    for file in sorted(CACHE.glob(f'{stage}_*.json')):
-        merged.update(json.loads(file.read_text()))
-    return merged
+    merged, made = {}, {}
+    for side in SIDES:
+        results = stored(f"{stage}_{side.replace(', ', '_')}")
+        if 'made' in results:
+            made[side] = results['made']
+        merged.update(results)
+    return {**merged, 'made': made}
 
 
 STAGES = {'references': references, 'likelihoods': likelihoods, 'fit185': fit185, 'fit200': fit200, 'fit1000': fit1000,
