@@ -21,12 +21,17 @@ double normal_probability(double z) {
   return 0.5 * std::erfc(-z / std::numbers::sqrt2);
 }
 
-/// 1 - |z| m(|z|) for z < 0, with Mills' ratio m(a) = 1/(a + t), t = 1/(a + 2/(a + 3/(a + ...))).
-double one_minus_z_mills(double z) {
-  const double a = -z;
+/// t of Mills' ratio m(a) = Phi(-a)/phi(a) = 1/(a + t), t = 1/(a + 2/(a + 3/(a + ...))).
+double mills_fraction(double a) {
   double t = 0.0;
   for (int k = kFractionTerms; k >= 1; --k) t = k / (a + t);
-  return t / (a + t);
+  return t;
+}
+
+/// h(z)/phi(z) = 1 - |z| m(|z|) for z < 0.
+double one_minus_z_mills(double z) {
+  const double t = mills_fraction(-z);
+  return t / (t - z);
 }
 
 double improvement_integral(double z) {
@@ -54,6 +59,31 @@ double log_expected_improvement(const Gaussian& prediction, double best) {
     return gain > 0.0 ? std::log(gain) : -std::numeric_limits<double>::infinity();
   const double sigma = prediction.standard_deviation();
   return std::log(sigma) + log_improvement_integral(gain / sigma);
+}
+
+AcquisitionGradient log_expected_improvement_gradient(const Gaussian& prediction, double best) {
+  AcquisitionGradient result{.value = log_expected_improvement(prediction, best)};
+  const double gain = best - prediction.mean;
+  if (prediction.variance <= 0.0) {
+    if (gain > 0.0) result.by_mean = -1.0 / gain;
+    return result;
+  }
+  const double sigma = prediction.standard_deviation();
+  const double z = gain / sigma;
+  if (z < kTail) {  // Phi/h = 1/t and phi/h = (|z| + t)/t
+    const double t = mills_fraction(-z);
+    result.by_mean = -1.0 / (sigma * t);
+    result.by_standard_deviation = (t - z) / (sigma * t);
+  } else {
+    const double h = improvement_integral(z);
+    result.by_mean = -normal_probability(z) / (sigma * h);
+    result.by_standard_deviation = normal_density(z) / (sigma * h);
+  }
+  return result;
+}
+
+double lower_confidence_bound(const Gaussian& prediction, double kappa) {
+  return prediction.mean - kappa * prediction.standard_deviation();
 }
 
 }  // namespace repose::opt

@@ -113,8 +113,12 @@ void check_inequality(const FeasibleSet& set, std::size_t i) {
     effective[tie.follower] = 0.0;
     least += tie.offset * a[tie.follower];
   }
-  least += (effective.array() > 0.0).select(bounds.lower, bounds.upper).dot(effective);
-  if (least > inequality.bound + kRounding * range_of(inequality, set.bounds))
+  const Vector lowest = (effective.array() > 0.0).select(bounds.lower, bounds.upper);
+  least += lowest.dot(effective);
+  // of the size of its terms, as violation() has it, and of the box
+  const double size = effective.cwiseAbs().dot(lowest.cwiseAbs()) + std::abs(inequality.bound) +
+                      range_of(inequality, set.bounds);
+  if (least > inequality.bound + kRounding * size)
     throw InputError(fmt::format("{}: no point of the box is below {}; the smallest value is {}",
                                  name_of(set, i), inequality.bound, least));
 }

@@ -198,6 +198,8 @@ FitReport read_report(const Reader& file) {
   report.termination = file.choice(file.get<std::string>("fit_termination"), kTerminations);
   report.message = file.get<std::string>("fit_message");
   report.evaluations = static_cast<int>(file.get<std::int64_t>("fit_evaluations"));
+  if (file.has("fit_instruction_set"))  // not in early files of version 2
+    report.instruction_set = file.get<std::string>("fit_instruction_set");
   report.seconds = file.get<double>("fit_seconds");
   report.jitter = file.get<double>("jitter");
   if (!file.has_table("/parameters")) return report;

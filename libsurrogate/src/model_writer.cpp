@@ -46,6 +46,7 @@ table::Attributes file_attributes(const NamedModel& named) {
           {"fit_termination", std::string(to_string(s.report.termination))},
           {"fit_message", s.report.message},
           {"fit_evaluations", static_cast<std::int64_t>(s.report.evaluations)},
+          {"fit_instruction_set", s.report.instruction_set},
           {"fit_seconds", s.report.seconds}};
 }
 

@@ -73,9 +73,33 @@ std::vector<Prediction> GaussianProcess::predictions(const Matrix& x) const {
   return result;
 }
 
+Matrix GaussianProcess::covariance(const Matrix& a, const Matrix& b) const {
+  const State& s = *state_;
+  const Posterior at_a(s, a);
+  const Posterior at_b(s, b);
+  Matrix c = cross_correlation(s.covariance.correlator(s.data.encoding), at_a.at, at_b.at);
+  c.noalias() -= at_a.v.transpose() * at_b.v;
+  c.noalias() += at_a.t.transpose() * at_b.t;
+  const double unit = s.data.scale * s.data.scale * s.amplitude;
+  if (s.data.response_scale == ResponseScale::linear) return unit * c;
+  // sd of y / sd of the modelled response, where that is known to vary
+  const auto stretch = [&](const Posterior& p) {
+    const Vector variance = unit * (p.kriging_variance() + p.trend_variance());
+    Vector factor = Vector::Zero(variance.size());
+    for (Eigen::Index i = 0; i < factor.size(); ++i)
+      if (variance[i] > 0.0)
+        factor[i] = std::sqrt(
+            moments(s.data.response_scale, {s.data.shift + s.data.scale * p.mean[i], variance[i]})
+                .y.variance /
+            variance[i]);
+    return factor;
+  };
+  return unit * (stretch(at_a).asDiagonal() * c * stretch(at_b).asDiagonal());
+}
+
 /// mean' = k'^T a + h'^T beta; variance' = -2 k'^T L^-T (w + Q1 t) + 2 h'^T U^-1 t with w = L^-1 k
 /// and t = U^-T h - Q1^T w, as d(w^T w) = 2 (L^-T w)^T k'; k' = -G (q - x)/l^2.
-PredictionGradient GaussianProcess::predict_gradient(const Vector& x) const {
+opt::PredictionGradient GaussianProcess::predict_gradient(const Vector& x) const {
   const State& s = *state_;
   if (x.size() != dimension())
     throw InputError(
@@ -117,8 +141,8 @@ PredictionGradient GaussianProcess::predict_gradient(const Vector& x) const {
   d_variance *= unit;
   const Moments m =
       moments(s.data.response_scale, {s.data.shift + s.data.scale * mean, unit * variance});
-  PredictionGradient result{.function = m.y,
-                            .mean = m.mean_by_mean * d_mean + m.mean_by_variance * d_variance};
+  opt::PredictionGradient result{.function = m.y,
+                                 .mean = m.mean_by_mean * d_mean + m.mean_by_variance * d_variance};
   const double sd = m.y.standard_deviation();
   result.standard_deviation = Vector::Zero(x.size());
   if (sd > 0.0)

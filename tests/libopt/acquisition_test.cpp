@@ -92,5 +92,40 @@ TEST(LogExpectedImprovement, IsContinuousWhereItsFormChanges) {
   EXPECT_NEAR(below, log_improvement_integral(-2.5), 2e-14);
 }
 
+// d log EI/d mu = -Phi/(sigma h); in the tail h = phi/z^2 (1 - 3/z^2 + ...), so that it tends to
+// z/sigma (1 + 2/z^2), and d/d sigma to (z^2 + 3 - ...)/sigma.
+TEST(LogExpectedImprovementGradient, EqualsDifferencesAndIsExactFarInTheTail) {
+  for (const double mean : {-3.0, -0.5, 0.0, 1.0, 2.4, 2.6, 6.0, 30.0})
+    for (const double sigma : {0.2, 1.0, 4.0}) {
+      const auto value = [](double m, double s) {
+        return log_expected_improvement({m, s * s}, 0.0);
+      };
+      const auto g = log_expected_improvement_gradient({mean, sigma * sigma}, 0.0);
+      EXPECT_EQ(g.value, value(mean, sigma));
+      const double h = 1e-4 * sigma;  // fourth order: h^4 of truncation, 1e-16/h of rounding
+      const auto slope = [h](const auto& f) {
+        return (8.0 * (f(h) - f(-h)) - (f(2.0 * h) - f(-2.0 * h))) / (12.0 * h);
+      };
+      const double by_mean = slope([&](double step) { return value(mean + step, sigma); });
+      const double by_sigma = slope([&](double step) { return value(mean, sigma + step); });
+      const double size = 1e-9 * (1.0 + std::abs(g.value)) / sigma;
+      EXPECT_NEAR(g.by_mean, by_mean, size);
+      EXPECT_NEAR(g.by_standard_deviation, by_sigma, 10.0 * size);
+    }
+  for (const double z : {-1e4, -1e8, -1e100}) {
+    const auto g = log_expected_improvement_gradient({-z, 1.0}, 0.0);
+    EXPECT_NEAR(g.by_mean / (z * (1.0 + 2.0 / (z * z))), 1.0, 1e-14);
+    EXPECT_NEAR(g.by_standard_deviation / (z * z), 1.0, 4.0 / (z * z) + 1e-14);
+  }
+  const auto certain = log_expected_improvement_gradient({2.0, 0.0}, 5.0);
+  EXPECT_EQ(certain.by_mean, -1.0 / 3.0);
+  EXPECT_EQ(certain.by_standard_deviation, 0.0);
+  EXPECT_EQ(log_expected_improvement_gradient({5.0, 0.0}, 2.0).by_mean, 0.0);
+}
+
+TEST(LowerConfidenceBound, IsMeanLessKappaDeviations) {
+  EXPECT_DOUBLE_EQ(lower_confidence_bound({3.0, 4.0}, 1.5), 0.0);
+}
+
 }  // namespace
 }  // namespace repose::opt

@@ -52,6 +52,35 @@ TEST(WeightedError, MeanAndVarianceEqualQuadrature) {
     }
 }
 
+TEST(WeightedError, OfSquaresEqualsQuadrature) {
+  const Target target{.name = "angle", .value = 30.0, .weight = 2.0, .penalty = Penalty::squared};
+  for (const double mean : {25.0, 30.0, 31.0})
+    for (const double sigma : {0.1, 5.0}) {
+      const Gaussian kpi{mean, sigma * sigma};
+      const auto g = [](double h) { return 2.0 * (h - 30.0) * (h - 30.0) / 900.0; };
+      const Gaussian error = weighted_error(std::span(&kpi, 1), std::span(&target, 1));
+      const double expected = expectation(kpi, 30.0, g);
+      const double square = expectation(kpi, 30.0, [&](double h) { return g(h) * g(h); });
+      EXPECT_NEAR(error.mean, expected, 1e-11);
+      EXPECT_NEAR(error.variance, square - expected * expected, 1e-11);
+    }
+}
+
+// E max(0, m - u^2), u ~ N(0, 1): the integral over |u| < sqrt(m), m (2 Phi(sqrt m) - 1) less
+// int u^2 phi = 2 Phi(sqrt m) - 1 - 2 sqrt(m) phi(sqrt m).
+TEST(CompositeExpectedImprovement, OfOneSquareIsItsIntegral) {
+  const Target target{.name = "a", .value = 1.0, .penalty = Penalty::squared};
+  const Gaussian kpi{1.0, 1.0};
+  const double m = 0.8;
+  const double root = std::sqrt(m);
+  const double inside = std::erf(root / std::numbers::sqrt2);
+  const double density = std::exp(-0.5 * m) / std::sqrt(2.0 * std::numbers::pi);
+  const double exact = m * inside - (inside - 2.0 * root * density);
+  const Matrix normals = scrambled_normals(16384, 1, 3);
+  EXPECT_NEAR(composite_expected_improvement(std::span(&kpi, 1), std::span(&target, 1), m, normals),
+              exact, 1e-3 * exact);  // quasi-random: error about 1/n
+}
+
 TEST(WeightedError, AddsIndependentQuantitiesAndHonoursScales) {
   const std::vector<Target> targets{{.name = "a", .value = -4.0, .weight = 1.0},
                                     {.name = "b", .value = 0.0, .weight = 3.0, .scale = 0.5}};
@@ -172,6 +201,36 @@ TEST(CheckTargets, NamesWhatIsWrong) {
   EXPECT_NE(message({.name = "flow", .value = 2.0, .weight = 0.0}), "");
   EXPECT_THROW(check_targets({}), InputError);
   EXPECT_THROW(weighted_error(std::vector<Gaussian>(2), std::vector<Target>(1)), InputError);
+}
+
+TEST(LogCompositeExpectedImprovementGradient, EqualsDifferencesNearAndFarFromTheTargets) {
+  const std::vector<Target> targets{
+      {.name = "a", .value = 4.0},
+      {.name = "b", .value = -2.0, .weight = 0.5},
+      {.name = "c", .value = 1.0, .standard_deviation = 0.3},
+      {.name = "d", .value = 2.0, .weight = 0.7, .penalty = Penalty::squared}};
+  const Matrix normals = scrambled_normals(64, 4, 5);
+  for (const double shift : {0.0, 0.3, 3.0}) {
+    std::vector<Gaussian> kpis{{4.1 + shift, 0.04}, {-2.2, 0.09}, {1.1 + shift, 0.01}, {2.3, 0.05}};
+    const double best = 0.2;
+    const auto g = log_composite_expected_improvement_gradient(kpis, targets, best, normals);
+    EXPECT_DOUBLE_EQ(g.value, log_composite_expected_improvement(kpis, targets, best, normals));
+    // piecewise smooth with 64 kinks: steps short enough to cross none but by chance
+    const double h = 1e-7;
+    for (std::size_t j = 0; j < kpis.size(); ++j) {
+      const auto k = static_cast<Eigen::Index>(j);
+      const auto at = [&](double mean_step, double sd_step) {
+        auto moved = kpis;
+        const double sd = kpis[j].standard_deviation() + sd_step;
+        moved[j] = {kpis[j].mean + mean_step, sd * sd};
+        return log_composite_expected_improvement(moved, targets, best, normals);
+      };
+      const double by_mean = (at(h, 0.0) - at(-h, 0.0)) / (2.0 * h);
+      const double by_sd = (at(0.0, h) - at(0.0, -h)) / (2.0 * h);
+      EXPECT_NEAR(g.by_mean[k], by_mean, 1e-6 * std::max(1.0, std::abs(by_mean)));
+      EXPECT_NEAR(g.by_standard_deviation[k], by_sd, 1e-6 * std::max(1.0, std::abs(by_sd)));
+    }
+  }
 }
 
 }  // namespace

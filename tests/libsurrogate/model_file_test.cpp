@@ -165,6 +165,8 @@ TEST_F(ModelFile, KeepsNamesOptionsAndReport) {
   const FitReport& a = gp.report();
   const FitReport& b = loaded.model.report();
   EXPECT_EQ(a.message, b.message);
+  EXPECT_EQ(a.instruction_set, b.instruction_set);
+  EXPECT_FALSE(a.instruction_set.empty());
   EXPECT_EQ(a.termination, b.termination);
   EXPECT_EQ(a.evaluations, b.evaluations);
   ASSERT_EQ(a.parameters.size(), b.parameters.size());

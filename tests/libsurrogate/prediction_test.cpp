@@ -16,7 +16,7 @@ using test::uniform_points;
 /// Derivatives of mean and standard deviation against differences of fourth order; h^4 ~ 1e-12 of
 /// truncation, 1e-16/h of rounding, both magnified by conditions below 1e3.
 void expect_gradients_of_differences(const GaussianProcess& gp, const Vector& x) {
-  const PredictionGradient g = gp.predict_gradient(x);
+  const opt::PredictionGradient g = gp.predict_gradient(x);
   const Gaussian there = gp.predict(x);
   EXPECT_NEAR(g.function.mean, there.mean, 1e-10 * (1.0 + std::abs(there.mean)));
   EXPECT_NEAR(g.function.variance, there.variance, 1e-9 * (1.0 + there.variance));
@@ -84,7 +84,7 @@ TEST(PredictGradient, EqualsDifferencesOnLogScalesBesideCategoriesAndForTransfor
     const Vector y = scale == ResponseScale::logit ? Vector(s.y / 10.0) : s.y;
     const auto gp = GaussianProcess::with_parameters(
         s.x, y, s.inputs, {Vector{{3.0, 1.5, 1.2}}, 0.5, 0.01}, {.response_scale = scale});
-    const PredictionGradient g = gp.predict_gradient(at);
+    const opt::PredictionGradient g = gp.predict_gradient(at);
     for (Eigen::Index k = 0; k < 2; ++k) {
       const double h = 1e-4 * at[k];
       Vector above = at;
@@ -255,6 +255,37 @@ TEST(Predictions, SayWhereTheyShouldNotBeBelieved) {
     const Gaussian g = gp.predict(at.row(Eigen::Index(i)));
     EXPECT_NEAR(p[i].function.mean, g.mean, 1e-13);
     EXPECT_NEAR(p[i].observation_variance, g.variance + s.given.noise_variance, 1e-12);
+  }
+}
+
+// An observation at b with noise t lowers the variance at a by c(a, b)^2/(c(b, b) + t).
+TEST(Covariance, IsThatOfConditioningOnAnotherPoint) {
+  const Sample s;
+  for (const Basis basis : {Basis::none, Basis::quadratic}) {
+    const auto gp = GaussianProcess::with_parameters(s.x, s.y, s.cube, s.given, {.basis = basis});
+    const Matrix q = uniform_points(4, 3, 77);
+    const Matrix c = gp.covariance(q, q);
+    EXPECT_LT((c - c.transpose()).cwiseAbs().maxCoeff(), 1e-13);
+    for (Eigen::Index i = 0; i < 4; ++i) {
+      EXPECT_NEAR(c(i, i), gp.predict(q.row(i)).variance, 1e-12);
+      const double noise = gp.noise_variance();
+      const auto told = gp.condition_on(q.row(0), 1.0);
+      const double expected = c(i, i) - c(i, 0) * c(i, 0) / (c(0, 0) + noise);
+      EXPECT_NEAR(told.predict(q.row(i)).variance, expected, 1e-10);
+    }
+  }
+}
+
+TEST(Covariance, OfALogResponseHasTheVariancesOfTheResponse) {
+  const Sample s;
+  const Vector y = s.y.array().exp();
+  const auto gp = GaussianProcess::with_parameters(s.x, y, s.cube, s.given,
+                                                   {.response_scale = ResponseScale::log});
+  const Matrix q = uniform_points(3, 3, 78);
+  const Matrix c = gp.covariance(q, q);
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    EXPECT_NEAR(c(i, i), gp.predict(q.row(i)).variance, 1e-10 * c(i, i));
+    EXPECT_LE(std::abs(c(i, 0)), std::sqrt(c(i, i) * c(0, 0)) * (1.0 + 1e-9));
   }
 }
 

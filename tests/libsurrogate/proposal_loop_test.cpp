@@ -6,13 +6,13 @@
 #include <numeric>
 
 #include "gp_data.hpp"
-#include "repose/opt/propose.hpp"
-#include "repose/surrogate/gaussian_process.hpp"
+#include "repose/surrogate/fitter.hpp"
 
 namespace repose::surrogate {
 namespace {
 
-static_assert(opt::SurrogateLike<GaussianProcess>);
+static_assert(opt::SurrogateLike<GaussianProcess> && opt::HasGradient<GaussianProcess> &&
+              opt::HasCovariance<GaussianProcess>);
 
 constexpr Eigen::Index kInputs = 4;
 constexpr int kKpis = 4;
@@ -78,9 +78,8 @@ double best_after_batches(const Synthetic& problem, Way way, std::uint64_t seed)
       y[i] = problem.error(x.row(i));
     const Matrix next =
         way == Way::composite
-            ? opt::propose_batch(models, problem.targets, kInputs, kBatch, propose).points
-            : opt::propose_batch(GaussianProcess::fit(x, y, cube, options), kInputs, kBatch,
-                                 propose)
+            ? opt::propose_batch(models, problem.targets, {cube}, kBatch, propose).points
+            : opt::propose_batch(GaussianProcess::fit(x, y, cube, options), {cube}, kBatch, propose)
                   .points;
     Matrix all(x.rows() + next.rows(), kInputs);
     all << x, next;
@@ -115,6 +114,70 @@ TEST(GaussianProcessProposals, RepeatTheSameBits) {
   const Synthetic problem(3);
   EXPECT_EQ(best_after_batches(problem, Way::composite, 5),
             best_after_batches(problem, Way::composite, 5));
+}
+
+TEST(GaussianProcessProposals, TakePendingRepeatsOfKnownPointsWhateverIsBelieved) {
+  const Matrix x = opt::scrambled_uniforms(8, 2, 3);
+  const Vector y = x.rowwise().sum();
+  const auto model =
+      GaussianProcess::fit(x, y, opt::unit_cube(2), GaussianProcessOptions{.noise = Noise::none});
+  for (const opt::Belief belief : {opt::Belief::kriging, opt::Belief::best_lie,
+                                   opt::Belief::mean_lie, opt::Belief::worst_lie}) {
+    const auto p = opt::propose_batch(model, {opt::unit_cube(2)}, 2,
+                                      {.visited = x, .pending = x.topRows(2), .belief = belief});
+    EXPECT_TRUE(p.points.allFinite());
+  }
+}
+
+TEST(SurrogateInCoordinates, HasTheDerivativesOfThoseCoordinates) {
+  const ParameterSpace parameters(
+      {{.name = "young_pa", .lower = 1e6, .upper = 1e9, .scale = Scale::log},
+       {.name = "friction", .lower = 0.1, .upper = 0.9}});
+  const opt::SearchSpace space(parameters);
+  const Matrix z =
+      space.coordinates_rows(parameters.from_unit_rows(opt::scrambled_uniforms(20, 2, 5)));
+  const Matrix x = space.natural_rows(z);
+  Vector y(20);
+  for (Eigen::Index i = 0; i < 20; ++i) y[i] = std::sin(3.0 * z(i, 0)) + std::exp(z(i, 1));
+  const auto model = gaussian_process_fitter(parameters, {.noise = Noise::none})(x, y)[0];
+  const opt::Surrogate surrogate = space.in_coordinates(model);
+  ASSERT_TRUE(surrogate.has_gradient());
+  const Vector at{{std::log(4e7), 0.43}};
+  EXPECT_EQ(surrogate.predict(at).mean, model.predict(space.natural(at)).mean);
+  const auto g = surrogate.predict_gradient(at);
+  for (Eigen::Index k = 0; k < 2; ++k) {
+    const double h = 1e-4;  // central differences: h^2 of truncation, 1e-13/h of rounding
+    Vector up = at, down = at;
+    up[k] += h;
+    down[k] -= h;
+    const Gaussian a = surrogate.predict(up), b = surrogate.predict(down);
+    EXPECT_NEAR(g.mean[k], (a.mean - b.mean) / (2.0 * h), 1e-6);
+    EXPECT_NEAR(g.standard_deviation[k],
+                (a.standard_deviation() - b.standard_deviation()) / (2.0 * h), 1e-5);
+  }
+}
+
+// Stiffness on a log scale, whole layers, a category and a target with a failure region.
+TEST(GaussianProcessFitter, DrivesAskAndTellOverParametersOfAllKinds) {
+  const ParameterSpace space(
+      {{.name = "friction", .lower = 0.1, .upper = 0.9},
+       {.name = "young_pa", .lower = 1e6, .upper = 1e9, .scale = Scale::log},
+       {.name = "layers", .lower = 1, .upper = 4, .kind = ParameterKind::integer},
+       {.name = "mode", .kind = ParameterKind::categorical, .categories = {"wet", "dry"}}});
+  const auto angle = [](const Vector& x) {
+    return 20.0 + 25.0 * x[0] - 1.5 * std::log10(x[1] / 1e6) + x[2] + 2.0 * x[3];
+  };
+  opt::BayesianOptimizer optimizer(
+      {.parameters = space, .responses = {"angle"}, .targets = {{.name = "angle", .value = 38.0}}},
+      gaussian_process_fitter(space, {.noise = Noise::none}));
+  for (int round = 0; round < 5; ++round)
+    for (const opt::Trial& trial : optimizer.ask(4)) {
+      if (trial.x[0] > 0.85)
+        optimizer.tell_failed(trial.id);
+      else
+        optimizer.tell(trial.id, Vector::Constant(1, angle(trial.x)));
+    }
+  EXPECT_NEAR(angle(optimizer.recommend().x), 38.0, 0.01);
 }
 
 }  // namespace

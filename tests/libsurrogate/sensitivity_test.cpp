@@ -63,6 +63,21 @@ TEST(SobolIndices, OfTheIshigamiFunctionAreThoseInClosedForm) {
   }
 }
 
+TEST(SobolIndices, AndJointDrawsRepeatTheirBitsAndChangeWithTheSeed) {
+  const auto model = ishigami_model(40);
+  const SensitivityOptions options{.points = 64, .draws = 10, .seed = 3};
+  const auto once = sobol_indices(model, options);
+  const auto again = sobol_indices(model, options);
+  const auto other = sobol_indices(model, {.points = 64, .draws = 10, .seed = 4});
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_EQ(once[k].first.value, again[k].first.value);
+    EXPECT_EQ(once[k].total.lower, again[k].total.lower);
+    EXPECT_NE(once[k].first.value, other[k].first.value);
+  }
+  const Matrix x = model.points().topRows(5);
+  EXPECT_EQ(joint_sample(model, x, 4, 9), joint_sample(model, x, 4, 9));
+}
+
 TEST(SobolIndices, AreLessCertainWhereTheModelIs) {
   const auto little = sobol_indices(ishigami_model(30), kFine);
   const auto& much = ishigami_indices();

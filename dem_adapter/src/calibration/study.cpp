@@ -152,8 +152,12 @@ void read_plans(const TomlTable& root, Study& study) {
     plan.r2 = t->number_or("r2", plan.r2, {.lower = 0, .upper = 1});
   }
   if (const auto t = root.table_if_present("surrogate")) {
-    study.surrogate.kernel = surrogate::kernel_named(
-        t->choice_or("kernel", "ard-matern52", {"ard-matern52", "ard-squared-exponential"}));
+    std::vector<std::string> kernels;
+    for (const auto kernel : surrogate::all_kernels()) kernels.emplace_back(to_string(kernel));
+    study.surrogate.kernel =
+        surrogate::kernel_named(t->choice_or("kernel", "ard-matern52", kernels));
+    study.surrogate.basis = surrogate::basis_named(
+        t->choice_or("basis", "constant", {"none", "constant", "linear", "quadratic"}));
     study.surrogate.starts = count(*t, "starts", study.surrogate.starts, kAtLeastOne);
   }
   if (const auto t = root.table_if_present("optimiser")) {

@@ -162,9 +162,9 @@ Matrix propose(const Study& study, const SurrogateSet& surrogates, const Visited
   options.failed = visited.failed;
   options.seed = derive_seed(study.seed, kProposalStream + static_cast<std::uint64_t>(batch));
   options.threads = study.compute.workers;
-  return opt::propose_batch(models, targets,
-                            static_cast<Eigen::Index>(surrogates.parameters.size()),
-                            study.adaptive.batch, options)
+  const auto dimension = static_cast<Eigen::Index>(surrogates.parameters.size());
+  return opt::propose_batch(models, targets, {opt::unit_cube(dimension)}, study.adaptive.batch,
+                            options)
       .points;
 }
 

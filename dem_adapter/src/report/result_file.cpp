@@ -106,30 +106,25 @@ table::Table design_table(const Study& study, const Matrix& coded) {
   return table;
 }
 
-/// The same model with inputs in natural units, as its users have them; the logarithm of an input
-/// whose scale is logarithmic, named ln_NAME.
+/// The same model with inputs in natural units and on their scales, as its users have them.
 surrogate::NamedModel model_in_natural_units(const Study& study, const SurrogateSet& set,
                                              std::size_t j) {
-  const auto d = static_cast<Eigen::Index>(set.parameters.size());
-  opt::Bounds bounds{Vector(d), Vector(d)};
-  std::vector<std::string> inputs;
-  for (Eigen::Index k = 0; k < d; ++k)
+  std::vector<surrogate::Input> inputs;
+  auto hyper = set.models[j].hyperparameters();
+  Matrix x = set.x;
+  for (Eigen::Index k = 0; k < x.cols(); ++k)
     for (const auto& p : study.space.parameters()) {
       if (p.name != set.parameters[static_cast<std::size_t>(k)]) continue;
-      const bool log = p.scale == Scale::log;
-      bounds.lower[k] = log ? std::log(p.lower) : p.lower;
-      bounds.upper[k] = log ? std::log(p.upper) : p.upper;
-      inputs.push_back(log ? "ln_" + p.name : p.name);
+      inputs.push_back({.lower = p.lower, .upper = p.upper, .scale = p.scale});
+      for (double& value : x.col(k)) value = natural_value(p, value);
+      const double range = p.scale == Scale::log ? std::log(p.upper / p.lower) : p.upper - p.lower;
+      if (study.surrogate.kernel.length_scales == surrogate::LengthScales::one_per_input)
+        hyper.length_scales[k] *= range;
     }
-  const Vector range = bounds.upper - bounds.lower;
-  const Matrix x = (set.x.array().rowwise() * range.transpose().array()).rowwise() +
-                   bounds.lower.transpose().array();
-  auto hyper = set.models[j].hyperparameters();
-  hyper.length_scales = hyper.length_scales.cwiseProduct(range);
   auto options = study.surrogate;
   options.seed = study.seed;
-  return {surrogate::GaussianProcess::with_parameters(x, set.y[j], bounds, hyper, options), inputs,
-          study.targets[j].target.name};
+  return {surrogate::GaussianProcess::with_parameters(x, set.y[j], inputs, hyper, options),
+          set.parameters, study.targets[j].target.name};
 }
 
 }  // namespace

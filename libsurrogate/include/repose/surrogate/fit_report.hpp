@@ -38,6 +38,9 @@ struct FitReport {
   std::string message;
   int evaluations = 0;
   double seconds = 0.0;
+  /// For which processors the loops were compiled, "x86-64" or "x86-64-v3": the same data give
+  /// the same bits with the same of them.
+  std::string instruction_set;
   double jitter = 0.0;  ///< added to the correlation matrix' diagonal; 0 where not needed
 };
 

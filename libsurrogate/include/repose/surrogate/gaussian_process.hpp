@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "repose/base/gaussian.hpp"
+#include "repose/opt/surrogate.hpp"
 #include "repose/surrogate/fit_report.hpp"
 #include "repose/surrogate/gaussian_process_options.hpp"
 #include "repose/surrogate/input.hpp"
@@ -21,14 +22,6 @@ struct Prediction {
   /// The data tell little here: the standard deviation, that of the trend left out, is above 0.8 of
   /// what it would be without data.
   bool far_from_data = false;
-};
-
-/// Mean and standard deviation of the function and their derivatives in the inputs (d, natural
-/// units; 0 for categories).
-struct PredictionGradient {
-  Gaussian function;
-  Vector mean;
-  Vector standard_deviation;  ///< 0 where the standard deviation is
 };
 
 /// A fitted model; never unfitted. Cheap to copy (shares its immutable state), safe to use from
@@ -56,15 +49,20 @@ class GaussianProcess {
                                          const GaussianProcessOptions& options = {});
 
   Eigen::Index dimension() const;
-  Eigen::Index rows() const;  ///< observations, repeats counted
+  Eigen::Index rows() const;     ///< observations, repeats counted
+  const Matrix& points() const;  ///< the different ones, natural units
 
   /// Of the function at x (length d; rows: m x d), natural units. One point and rows agree to
   /// rounding. predict_rows costs O(n^2) a row, in blocks.
   Gaussian predict(const Vector& x) const;
   std::vector<Gaussian> predict_rows(const Matrix& x) const;
   std::vector<Prediction> predictions(const Matrix& x) const;
-  /// O(n^2). Regression functions of the user are differentiated by central differences.
-  PredictionGradient predict_gradient(const Vector& x) const;
+  /// In natural units, 0 for categories. O(n^2). Regression functions of the user are
+  /// differentiated by central differences.
+  opt::PredictionGradient predict_gradient(const Vector& x) const;
+  /// m x p, of the function at the rows of a and of b. Of a modelled log y or logit y: its
+  /// correlation times the standard deviations of y. O((m + p) n^2 + m p n).
+  Matrix covariance(const Matrix& a, const Matrix& b) const;
 
   /// The model told y at x too, everything else kept: O(n^2), O(n^3) where x is a repeat. With
   /// known noise variances the new one is their mean.
