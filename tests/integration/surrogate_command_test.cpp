@@ -157,5 +157,175 @@ TEST(ModelFile, IsReadByH5py) {
   EXPECT_EQ(read.at("factor"), 36 * 37 / 2);
 }
 
+/// Two responses of two parameters, known in closed form: a = 10 (x + y), b = 20 + 10 x - 5 y.
+std::string plane(int rows) {
+  std::string csv = "x,y,mode,a,b\n";
+  for (int i = 0; i < rows; ++i) {
+    const double x = std::fmod(0.5 + 0.7548776662 * i, 1.0);
+    const double y = std::fmod(0.5 + 0.5698402910 * i, 1.0);
+    char line[160];
+    std::snprintf(line, sizeof line, "%.6f,%.6f,%s,%.8f,%.8f\n", x, y, i % 2 == 0 ? "wet" : "dry",
+                  10.0 * (x + y) + (i % 2 == 0 ? 0.0 : 3.0), 20.0 + 10.0 * x - 5.0 * y);
+    csv += line;
+  }
+  return csv;
+}
+
+/// Models of a and b over x, y (and mode).
+void fit_plane(const Workbench& bench, const std::string& inputs = "x,y") {
+  bench.write("plane.csv", plane(24));
+  for (const char* response : {"a", "b"}) {
+    const auto said = bench.run("repose", std::string("fit plane.csv --input ") + inputs +
+                                              " --noise none --basis linear --response " +
+                                              response + " -o " + response + ".h5");
+    ASSERT_EQ(said.code, 0) << said.err;
+  }
+}
+
+json said_json(const Workbench& bench, const std::string& command) {
+  const auto said = bench.run("repose", command + " --json");
+  EXPECT_EQ(said.code, 0) << said.err;
+  return said.code == 0 ? json::parse(said.out) : json();
+}
+
+// b has no part of mode: 20 + 10 x - 5 y = 21.5 and 10 (x + y) + 3 = 13 give x = 13/30, y = 17/30.
+TEST(OptimiseCommand, FindsTheParametersThatMeetBothTargets) {
+  const Workbench bench;
+  fit_plane(bench, "x,y,mode");
+  for (const std::string method : {"cma-es --evaluations 4000", "ga --population 200"}) {
+    const json found = said_json(bench,
+                                 "optimise a.h5 b.h5 --target a=13 --target b=21.5 --weight b=2 "
+                                 "--fix mode=dry --repeat 3 --loss squared -o best.csv --method " +
+                                     method);
+    ASSERT_TRUE(found.contains("parameters"));
+    EXPECT_NEAR(found["parameters"]["x"]["value"], 13.0 / 30.0, 0.01);
+    EXPECT_NEAR(found["parameters"]["y"]["value"], 17.0 / 30.0, 0.01);
+    EXPECT_EQ(found["parameters"]["mode"]["value"], "dry");
+    EXPECT_NEAR(found["predicted"][0]["predicted"], 13.0, 0.1);
+    EXPECT_EQ(found["predicted"][1]["target"], 21.5);
+    EXPECT_LT(found["value"], 1e-4);
+    EXPECT_EQ(found["values"].size(), 3u);
+  }
+}
+
+TEST(OptimiseCommand, MinimisesOrMaximisesOneResponseUnderConstraints) {
+  const Workbench bench;
+  fit_plane(bench);
+  bench.write("factors.toml",
+              "[parameters]\nx = { lower = 0.1, upper = 0.9 }\ny = { lower = 0.1, upper = 0.9 }\n"
+              "[constraints]\nsum = { coefficients = { x = 1, y = 2 }, upper = 1.5 }\n");
+  const std::string rest = " --repeat 2 --evaluations 3000";
+  const json low = said_json(bench, "optimise a.h5 --factors factors.toml" + rest);
+  EXPECT_NEAR(low["parameters"]["x"]["value"], 0.1, 1e-3);
+  EXPECT_NEAR(low["parameters"]["y"]["value"], 0.1, 1e-3);
+  const json high = said_json(bench, "optimise b.h5 --maximise --factors factors.toml" + rest);
+  EXPECT_NEAR(high["value"], 20.0 + 9.0 - 0.5, 0.05);
+  const json edge = said_json(bench, "optimise a.h5 --maximise --factors factors.toml" + rest);
+  EXPECT_NEAR(edge["parameters"]["x"]["value"], 0.9, 0.01);  // x + y is largest at (0.9, 0.3)
+  EXPECT_NEAR(edge["parameters"]["y"]["value"], 0.3, 0.01);
+}
+
+TEST(SampleCommand, ProposesABatchThatFitAndSampleCanGoOnFrom) {
+  const Workbench bench;
+  fit_plane(bench);
+  const std::string sample =
+      "sample a.h5 b.h5 --target a=10+-0.1 --target b=22.5 --batch 3 --seed 4 ";
+  const json first = said_json(bench, sample + "-o next.csv");
+  ASSERT_EQ(first["points"].size(), 3u);
+  EXPECT_EQ(first["known_points"], 24);
+  EXPECT_NEAR(first["points"][0]["x"], 0.5, 0.05);  // 10 (x + y) = 10, 20 + 10 x - 5 y = 22.5
+  EXPECT_NEAR(first["points"][0]["y"], 0.5, 0.05);
+  EXPECT_TRUE(first["points"][0].contains("a_predicted"));
+  EXPECT_TRUE(first["points"][0].contains("expected_improvement"));
+  const json same = said_json(bench, sample + "-o again.csv");
+  EXPECT_EQ(first["points"], same["points"]);
+  const json other = said_json(bench, sample + "--pending next.csv -o more.csv");
+  for (const auto& p : other["points"])
+    for (const auto& q : first["points"])
+      EXPECT_GT(std::max(std::abs(double(p["x"]) - double(q["x"])),
+                         std::abs(double(p["y"]) - double(q["y"]))),
+                8e-4);  // 1e-3 of ranges of 0.9
+}
+
+TEST(SampleCommand, KnowsEveryAcquisitionBeliefAndRepeat) {
+  const Workbench bench;
+  bench.write("plane.csv", plane(24));
+  ASSERT_EQ(bench.run("repose", "fit plane.csv --input x,y,mode --response a -o a.h5").code, 0);
+  const json plain = said_json(bench, "sample a.h5 --batch 2 -o next.h5");
+  for (const std::string option :
+       {"--acquisition ei", "--acquisition log-ei", "--acquisition nei",
+        "--acquisition lcb --kappa 1", "--belief best-lie", "--belief mean-lie",
+        "--belief worst-lie", "--repeats allow", "--repeats deliberate", "--maximise"}) {
+    const json said = said_json(bench, "sample a.h5 --batch 2 -o next.h5 " + option);
+    EXPECT_EQ(said["points"].size(), 2u) << option;
+    EXPECT_TRUE(said["points"][0]["mode"].is_string()) << option;
+    const bool same_name = option == "--acquisition ei" || option == "--acquisition log-ei";
+    const bool first_only = option.starts_with("--belief") || option.starts_with("--repeats");
+    EXPECT_EQ(said["points"][0] == plain["points"][0], same_name || first_only) << option;
+    if (option.starts_with("--belief")) {
+      EXPECT_NE(said["points"], plain["points"]) << option;
+    }
+  }
+}
+
+TEST(SampleCommand, KeepsAwayFromFailedPoints) {
+  const Workbench bench;
+  fit_plane(bench);
+  const json best = said_json(bench, "sample a.h5 --maximise -o next.csv");
+  const json moved = said_json(bench, "sample a.h5 --maximise --failed next.csv -o other.csv");
+  EXPECT_GE(std::max(std::abs(double(best["points"][0]["x"]) - double(moved["points"][0]["x"])),
+                     std::abs(double(best["points"][0]["y"]) - double(moved["points"][0]["y"]))),
+            0.085);  // 0.1 of a range of 0.9
+}
+
+TEST(SampleAndOptimiseCommands, SayWhatIsWrong) {
+  const Workbench bench;
+  fit_plane(bench);
+  const auto fails = [&](const std::string& command, int code, const std::string& word) {
+    const auto said = bench.run("repose", command);
+    EXPECT_EQ(said.code, code) << command << said.err;
+    EXPECT_NE(said.err.find(word), std::string::npos) << said.err;
+  };
+  fails("optimise a.h5 b.h5", 3, "--target");
+  fails("optimise a.h5 b.h5 --target a=1", 3, "the model of b has no target");
+  fails("optimise a.h5 --target c=1", 3, "no model predicts it");
+  fails("optimise a.h5 --target a=x", 3, "KPI=VALUE");
+  fails("optimise a.h5 --target a=1+-y", 3, "KPI=VALUE");
+  fails("optimise a.h5 --target a=1 --weight a=-2", 3, "weight");
+  fails("optimise a.h5 --target a=1 --maximise", 3, "--maximise");
+  fails("optimise a.h5 --fix z=1", 3, "no such parameter");
+  fails("optimise a.h5 --fix x=0.5 --fix y=0.5", 3, "every parameter is fixed");
+  fails("optimise a.h5 --fix x=50", 3, "it lies in");
+  fails("optimise a.h5 --target a=1 --target a=2", 3, "given twice");
+  fails("optimise a.h5 --target a=0", 3, "scale of its own");
+  fails("optimise a.h5 --population 50", 3, "--population has no meaning");
+  fails("sample a.h5 --kappa 3 -o n.h5", 3, "--kappa has no meaning");
+  fails("optimise a.h5 a.h5", 3, "both predict a");
+  fails("optimise missing.h5", 6, "missing.h5");
+  fails("sample a.h5 --acquisition composite-ei -o n.h5", 3, "--target");
+  fails("sample a.h5 --acquisition best -o n.h5", 2, "best");
+  fails("sample a.h5 --batch 0 -o n.h5", 2, "--batch");
+  fails("sample a.h5 --repeats deliberate --acquisition lcb -o n.h5", 3, "repeats");
+  bench.write("factors.toml", "[parameters]\nx = { lower = 0.1, upper = 0.9 }\n");
+  fails("sample a.h5 --factors factors.toml -o n.h5", 3, "y, which is no parameter");
+  bench.write("more.toml",
+              "[parameters]\nx = { lower = 0.1, upper = 0.9 }\ny = { lower = 0, upper = 1 }\n"
+              "z = { lower = 0, upper = 1 }\n");
+  fails("sample a.h5 --factors more.toml -o n.h5", 3, "no model depends on z");
+  EXPECT_FALSE(std::filesystem::exists(bench / "n.h5"));
+}
+
+TEST(FitCommand, TunesAsABlackBoxForComparison) {
+  const Workbench bench;
+  bench.write("plane.csv", plane(24));
+  const auto said = bench.run(
+      "repose", "fit plane.csv --input x,y --response b --optimise 6 --quiet --json -o m.h5");
+  ASSERT_EQ(said.code, 0) << said.err;
+  const json fit = json::parse(said.out);
+  EXPECT_EQ(fit.at("trials").size(), 6u);
+  EXPECT_EQ(bench.run("repose", "fit plane.csv --response b --optimise 6 --select -o m.h5").code,
+            3);
+}
+
 }  // namespace
 }  // namespace repose::test

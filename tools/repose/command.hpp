@@ -2,9 +2,11 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <initializer_list>
 #include <memory>
 #include <string>
 
+#include "repose/base/error.hpp"
 #include "repose/base/progress.hpp"
 
 namespace repose::cli {
@@ -22,6 +24,18 @@ struct CommonOptions {
 CLI::App* add_command(CLI::App& parent, const std::string& name, const std::string& description,
                       const std::string& example, CommonOptions& common);
 
+/// The one of `values` that is called `text`; CLI11 has checked that there is one.
+template <class Enum>
+Enum named(const std::string& text, std::initializer_list<Enum> values) {
+  for (const Enum value : values)
+    if (text == to_string(value)) return value;
+  throw InputError("'" + text + "' is not known");
+}
+
+/// Throws InputError for options that were given but mean nothing, `why` in words.
+void refuse_options(const CLI::App& command, std::initializer_list<const char*> options,
+                    const std::string& why);
+
 /// The command line as typed, for provenance.
 const std::string& command_line();
 
@@ -35,7 +49,9 @@ void add_design_optimal(CLI::App& design);
 void add_design_screening(CLI::App& design);
 void add_design_surface(CLI::App& design);
 void add_fit(CLI::App& app);
+void add_optimise(CLI::App& app);
 void add_predict(CLI::App& app);
+void add_sample(CLI::App& app);
 void add_screen(CLI::App& app);
 void add_sensitivity(CLI::App& app);
 void add_simulate(CLI::App& app);

@@ -141,8 +141,11 @@ void require_levels(const ParameterSpace& space, Needs needs, const std::string&
 }
 
 table::Table design_table(const ParameterSpace& space, const Matrix& unit) {
-  const Matrix natural = space.from_unit_rows(unit);
-  const auto runs = static_cast<std::size_t>(unit.rows());
+  return runs_table(space, space.from_unit_rows(unit));
+}
+
+table::Table runs_table(const ParameterSpace& space, const Matrix& natural) {
+  const auto runs = static_cast<std::size_t>(natural.rows());
   table::Table table;
   std::vector<std::int64_t> run(runs);
   std::iota(run.begin(), run.end(), 1);

@@ -48,6 +48,8 @@ void require_levels(const ParameterSpace& space, Needs needs, const std::string&
 
 /// `run` from 1, the factors decoded, then fixed and tied parameters.
 table::Table design_table(const ParameterSpace& space, const Matrix& unit);
+/// The same of values in natural units.
+table::Table runs_table(const ParameterSpace& space, const Matrix& natural);
 
 /// A design, as it is written and reported.
 struct MadeDesign {

@@ -9,6 +9,7 @@
 #include "model_columns.hpp"
 #include "repose/base/error.hpp"
 #include "repose/surrogate/selection.hpp"
+#include "repose/surrogate/tuning.hpp"
 #include "repose/table/io.hpp"
 
 namespace repose::cli {
@@ -35,16 +36,10 @@ struct FitOptions {
   std::string group;
   std::string output;
   bool select = false;
+  int optimise = 0;
   int starts = 5;
   std::uint64_t seed = 1;
 };
-
-template <class Enum>
-Enum named(const std::string& text, std::initializer_list<Enum> values) {
-  for (const Enum value : values)
-    if (text == to_string(value)) return value;
-  throw InputError(fmt::format("'{}' is not known", text));  // CLI11 has checked it before
-}
 
 /// Columns named on the command line, or those with the role factor, or all numbers but the
 /// response and what describes it.
@@ -134,7 +129,31 @@ struct Fitted {
   surrogate::NamedModel named;
   std::vector<surrogate::Candidate> candidates;
   std::vector<Eigen::Index> groups;
+  std::vector<surrogate::TuningTrial> trials = {};
+  std::size_t best_trial = 0;
 };
+
+Fitted tune(const Matrix& x, const Vector& y, const std::vector<surrogate::Input>& inputs,
+            const std::vector<std::string>& names, const GaussianProcessOptions& gp,
+            const FitOptions& options, std::vector<Eigen::Index> groups) {
+  ProgressDisplay display("settings tried", options.common.progress_style());
+  surrogate::TuningOptions tuning{.evaluations = options.optimise,
+                                  .initial_points = std::min(4, options.optimise),
+                                  .groups = groups,
+                                  .seed = options.seed,
+                                  .threads = 0,
+                                  .progress = display.callback()};
+  if (!groups.empty()) {
+    const auto last = *std::max_element(groups.begin(), groups.end());
+    tuning.folds = std::min(tuning.folds, static_cast<int>(last) + 1);
+  }
+  auto tuned = surrogate::tune_model(x, y, inputs, gp, tuning);
+  return {{tuned.model, names, options.response},
+          {},
+          std::move(groups),
+          std::move(tuned.trials),
+          tuned.best};
+}
 
 Fitted fit_model(const FitOptions& options) {
   const auto table =
@@ -150,6 +169,7 @@ Fitted fit_model(const FitOptions& options) {
   const auto gp = model_options(options, table, names);
   std::vector<Eigen::Index> groups;
   if (!options.group.empty()) groups = groups_from_column(table, options.group);
+  if (options.optimise > 0) return tune(x, y, inputs, names, gp, options, std::move(groups));
   if (!options.select)
     return {{GaussianProcess::fit(x, y, inputs, gp), names, options.response}, {}, groups};
   auto selection = surrogate::select_model(x, y, inputs, gp, {.groups = groups, .threads = 0});
@@ -191,6 +211,15 @@ nlohmann::json to_json(const Fitted& fitted, const surrogate::LeftOut& out,
                           {"negative_log_likelihood", c.negative_log_likelihood},
                           {"seconds", c.seconds},
                           {"failure", c.failure}});
+  nlohmann::json trials = nlohmann::json::array();
+  for (const auto& t : fitted.trials)
+    trials.push_back({{"kernel", to_string(t.kernel)},
+                      {"basis", to_string(t.basis)},
+                      {"noise_standard_deviation", t.noise_standard_deviation},
+                      {"kernel_scale", t.kernel_scale},
+                      {"standardised", t.standardised},
+                      {"rmse", t.rmse},
+                      {"failure", t.failure}});
   const auto hyper = model.hyperparameters();
   return {{"response", fitted.named.response},
           {"inputs", fitted.named.inputs},
@@ -208,9 +237,11 @@ nlohmann::json to_json(const Fitted& fitted, const surrogate::LeftOut& out,
           {"loo_log_density", out.log_density},
           {"left_out", fitted.groups.empty() ? "points" : "groups"},
           {"candidates", candidates},
+          {"trials", trials},
           {"jitter", report.jitter},
           {"evaluations", report.evaluations},
           {"seconds", report.seconds},
+          {"instruction_set", report.instruction_set},
           {"message", report.message},
           {"file", file}};
 }
@@ -229,6 +260,21 @@ void print_text(const Fitted& fitted, const surrogate::LeftOut& out, const std::
                    to_string(c.basis), c.log_density, c.q2, c.rmse, 100.0 * c.coverage95);
     }
     fmt::print("\n");
+  }
+  if (!fitted.trials.empty()) {
+    const auto& best = fitted.trials[fitted.best_trial];
+    fmt::print(
+        "best of {} settings: {}, basis {}, noise {:.4g}{}{};\n"
+        "error in cross-validation {:.5g}\n\n",
+        fitted.trials.size(), to_string(best.kernel), to_string(best.basis),
+        best.noise_standard_deviation,
+        best.kernel.length_scales == surrogate::LengthScales::shared
+            ? fmt::format(", length scale {:.4g}", best.kernel_scale)
+            : "",
+        best.kernel.length_scales == surrogate::LengthScales::shared && best.standardised
+            ? ", inputs standardised"
+            : "",
+        best.rmse);
   }
   fmt::print("{} of {} rows and {} inputs, {}, basis {}, {:.2f} s\n\n", fitted.named.response,
              model.rows(), fitted.named.inputs.size(), to_string(model.kernel()),
@@ -278,6 +324,10 @@ void add_model_options(CLI::App* command, FitOptions* o) {
       ->check(CLI::IsMember({"none", "constant", "linear", "quadratic"}));
   command->add_flag("--select", o->select,
                     "try all kernels and bases, keep the best at predicting rows left out");
+  command
+      ->add_option("--optimise", o->optimise,
+                   "tune kernel, basis, noise and scaling by that many cross-validations")
+      ->check(CLI::Range(2, 100000));
   command->add_option("--group", o->group, "column whose groups are left out together");
   command
       ->add_option("--noise", o->noise,
@@ -327,7 +377,14 @@ void add_fit(CLI::App& app) {
       ->check(CLI::Range(1, 10000));
   command->add_option("--seed", o->seed)->capture_default_str();
   command->add_option("-o,--output", o->output, "model file to write")->required();
-  command->callback([o] { fit(*o); });
+  command->callback([o, command] {
+    if (o->optimise > 0)
+      refuse_options(
+          *command,
+          {"--select", "--bound", "--prior", "--kernel", "--basis", "--noise", "--estimator"},
+          "with --optimise, which searches or sets it itself");
+    fit(*o);
+  });
 }
 
 }  // namespace repose::cli

@@ -36,6 +36,8 @@ int run(int argc, char** argv) {
   add_fit(app);
   add_predict(app);
   add_sensitivity(app);
+  add_sample(app);
+  add_optimise(app);
   add_table(app);
   try {
     app.parse(argc, argv);
@@ -54,6 +56,13 @@ CLI::App* add_command(CLI::App& parent, const std::string& name, const std::stri
   command->add_flag("--quiet", common.quiet, "no progress");
   command->footer("Example: " + example);
   return command;
+}
+
+void refuse_options(const CLI::App& command, std::initializer_list<const char*> options,
+                    const std::string& why) {
+  for (const char* option : options)
+    if (command.count(option) > 0)
+      throw InputError(fmt::format("{} has no meaning {}; leave it out", option, why));
 }
 
 const std::string& command_line() {

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <set>
 
@@ -82,10 +81,8 @@ Matrix input_matrix(const table::Table& table, const std::vector<std::string>& n
       column = level_numbers(table, names[k], inputs[k]);
       continue;
     }
-    const bool log = !table.has(names[k]) && names[k].starts_with("ln_");
-    const auto values = table.numbers(log ? names[k].substr(3) : names[k]);
-    for (std::size_t i = 0; i < values.size(); ++i)
-      column[static_cast<Eigen::Index>(i)] = log ? std::log(values[i]) : values[i];
+    const auto values = table.numbers(names[k]);
+    column = Eigen::Map<const Vector>(values.data(), column.size());
   }
   return x;
 }

@@ -16,8 +16,8 @@ std::vector<surrogate::Input> inputs_from_columns(const table::Table& table,
                                                   const std::vector<std::string>& log_names,
                                                   surrogate::Coding coding);
 
-/// rows x d values of the inputs, levels as their numbers. Where the table has no column ln_NAME,
-/// it is the logarithm of NAME. Throws InputError on a level the model does not know.
+/// rows x d values of the inputs, levels as their numbers. Throws InputError on a level the model
+/// does not know.
 Matrix input_matrix(const table::Table& table, const std::vector<std::string>& names,
                     const std::vector<surrogate::Input>& inputs);
 
