@@ -106,7 +106,7 @@ struct Referee {
 constexpr double kRelativeX = 1e-7, kRelativeF = 1e-10;
 constexpr int kMaxEvaluations = 500;
 
-opt::NloptMinimizer method(opt::Algorithm algorithm, double curvature = 0.0) {
+opt::BuiltinMinimizer method(opt::Algorithm algorithm, double curvature = 0.0) {
   return {{.algorithm = algorithm,
            .relative_x_tolerance = kRelativeX,
            .relative_f_tolerance = kRelativeF,

@@ -147,7 +147,7 @@ TEST(MultiStart, FindsTheBestOfItsStartsForAnyNumberOfThreads) {
   const Bounds box{Vector::Constant(2, -5.12), Vector::Constant(2, 5.12)};
   Matrix starts(6, 2);
   for (Eigen::Index i = 0; i < 6; ++i) starts.row(i) << double(i) - 4.0, 3.0 - double(i);
-  const NloptMinimizer method{{.algorithm = Algorithm::bobyqa, .initial_step = 0.01}};
+  const BuiltinMinimizer method{{.algorithm = Algorithm::bobyqa, .initial_step = 0.01}};
   const Minimum one = multi_start(f, starts, box, method, 1);
   EXPECT_LE(one.value, 2.0);  // (0, -1) is among the starts, one valley from the bottom
   for (Eigen::Index i = 0; i < 6; ++i)

@@ -78,7 +78,7 @@ concept MinimizerLike = requires(const M& m, const Objective& f, const Vector& x
 };
 
 /// The default: minimize() above with these options.
-struct NloptMinimizer {
+struct BuiltinMinimizer {
   MinimizerOptions options = {};
   Minimum minimize(const Objective& objective, const Vector& start, const Bounds& bounds) const {
     return opt::minimize(objective, start, bounds, options);
@@ -88,7 +88,7 @@ struct NloptMinimizer {
 /// Any minimiser as a value.
 class Minimizer {
  public:
-  Minimizer() : Minimizer(NloptMinimizer{}) {}
+  Minimizer() : Minimizer(BuiltinMinimizer{}) {}
   template <MinimizerLike M>
   requires(!std::same_as<std::remove_cvref_t<M>, Minimizer>) Minimizer(M method)
       : minimize_([m = std::move(method)](const Objective& f, const Vector& x, const Bounds& b) {

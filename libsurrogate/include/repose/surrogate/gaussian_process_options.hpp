@@ -87,10 +87,10 @@ struct GaussianProcessOptions {
       1;  ///< over starts; the result does not depend on it (0: one for each processor)
   /// Of the negative log posterior over log parameters, with gradient. A curvature of 1 where none
   /// is known lets the first steps reach over small basins (docs/decisions/0007).
-  opt::Minimizer minimizer = opt::NloptMinimizer{{.relative_x_tolerance = 1e-7,
-                                                  .relative_f_tolerance = 1e-10,
-                                                  .max_evaluations = 500,
-                                                  .initial_curvature = 1.0}};
+  opt::Minimizer minimizer = opt::BuiltinMinimizer{{.relative_x_tolerance = 1e-7,
+                                                    .relative_f_tolerance = 1e-10,
+                                                    .max_evaluations = 500,
+                                                    .initial_curvature = 1.0}};
 };
 
 }  // namespace repose::surrogate
