@@ -212,11 +212,9 @@ std::int64_t BayesianOptimizer::add(const Vector& x, const Vector& y) {
                                  space_.dimension()));
   for (Eigen::Index k = 0; k < x.size(); ++k) {
     const Parameter& p = parameters[static_cast<std::size_t>(k)];
-    const double last =
-        p.kind == ParameterKind::categorical ? static_cast<double>(level_count(p) - 1) : p.upper;
-    const double first = p.kind == ParameterKind::categorical ? 0.0 : p.lower;
-    if (!(x[k] >= first && x[k] <= last))
-      throw InputError(fmt::format("{} is {}; it must lie in [{}, {}]", p.name, x[k], first, last));
+    if (!(x[k] >= p.lower && x[k] <= p.upper))
+      throw InputError(
+          fmt::format("{} is {}; it must lie in [{}, {}]", p.name, x[k], p.lower, p.upper));
   }
   const Vector nearest = space_.natural(space_.coordinates(x));
   for (Eigen::Index k = 0; k < x.size(); ++k)
@@ -234,16 +232,14 @@ BayesianOptimizer::Recommendation BayesianOptimizer::recommend() const {
   const Matrix done = points_in(TrialState::done);
   if (done.rows() == 0) throw InputError("no trial is done yet; there is nothing to recommend");
   const std::vector<Surrogate> models = surrogates(done);
-  const Matrix y = responses();
   Recommendation best{.objective = {std::numeric_limits<double>::infinity(), 0.0}};
   bool best_obeys = false;
-  Eigen::Index row = 0;
   for (const Trial& trial : trials_) {
     if (trial.state != TrialState::done) continue;
     const Vector z = space_.coordinates(trial.x);
     std::vector<Gaussian> p;
-    for (Eigen::Index j = 0; j < y.cols(); ++j)
-      p.push_back(models.empty() ? Gaussian{y(row, j), 0.0}
+    for (Eigen::Index j = 0; j < trial.y.size(); ++j)
+      p.push_back(models.empty() ? Gaussian{trial.y[j], 0.0}
                                  : models[static_cast<std::size_t>(j)].predict(z));
     const Gaussian objective = problem_.targets.empty()
                                    ? p[0]
@@ -254,7 +250,6 @@ BayesianOptimizer::Recommendation BayesianOptimizer::recommend() const {
       best = {trial.id, trial.x, objective};
       best_obeys = obeys;
     }
-    ++row;
   }
   if (!std::isfinite(best.objective.mean))
     throw NumericalError("no finite prediction at any trial; look at the models");

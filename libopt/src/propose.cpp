@@ -25,8 +25,9 @@ constexpr Eigen::Index kTries = 200;
 /// Best visited points of which one is repeated deliberately.
 constexpr Eigen::Index kContenders = 3;
 
-void check(std::size_t surrogates, const FeasibleSet& set, int q, const ProposeOptions& o) {
-  if (surrogates == 0) throw InputError("no surrogate to propose points with");
+void check(std::span<const Surrogate> models, const FeasibleSet& set, int q,
+           const ProposeOptions& o) {
+  if (models.empty()) throw InputError("no surrogate to propose points with");
   check_feasible_set(set);
   if (q < 1) throw InputError(fmt::format("a batch of {} points; ask for at least 1", q));
   if (o.candidates < 1 || o.polished < 0 || o.draws < 1)
@@ -54,6 +55,13 @@ void check(std::size_t surrogates, const FeasibleSet& set, int q, const ProposeO
     throw InputError(
         "deliberate repeats weigh what they tell against expected improvement; the lower "
         "confidence bound has none: choose expected improvement, or repeats that are only allowed");
+  const bool joint =
+      o.repeats == Repeats::deliberate || o.acquisition == Acquisition::noisy_expected_improvement;
+  for (const Surrogate& model : models)
+    if (joint && !model.has_covariance())
+      throw InputError(
+          "noisy expected improvement and deliberate repeats need a surrogate that gives "
+          "covariances, such as a Gaussian process");
 }
 
 bool is_whole(const FeasibleSet& set, Eigen::Index k) {
@@ -94,9 +102,7 @@ class Search {
     const Found found = std::isfinite(best_loss)
                             ? polish(points, order, best_loss)
                             : Found{most_uncertain(points, predicted), -kInfinity};
-    const Matrix visited = rows_in(set_, options_.visited);
-    return options_.repeats == Repeats::deliberate && visited.rows() > 0 ? repeat_or(found, visited)
-                                                                         : found;
+    return options_.repeats == Repeats::deliberate ? repeat_or(found) : found;
   }
 
  private:
@@ -211,9 +217,9 @@ class Search {
     } else if (!set.inequalities.empty()) {
       algorithm = Algorithm::slsqp;
     }
-    const double tolerance = algorithm == Algorithm::slsqp ? 1e-9 : 0.0;  // it mends its result
-    const Objective loss = [this, tolerance](const Vector& x, Vector* gradient) {
-      if (!allowed(x) || violation(x, set_) > tolerance) return kInfinity;
+    const bool turns_away = !acquirer_.has_gradient() && !set_.inequalities.empty();
+    const Objective loss = [this, turns_away](const Vector& x, Vector* gradient) {
+      if (!allowed(x) || (turns_away && violation(x, set_) > 0.0)) return kInfinity;
       if (gradient == nullptr) return -acquirer_.value(x);
       const double value = acquirer_.value(x, *gradient);
       *gradient = -*gradient;
@@ -250,7 +256,9 @@ class Search {
 
   /// The one of the best visited points with the largest P(best) x variance, if knowing their order
   /// is worth more than `found`: E(f_i - min f), i the one with the smallest mean.
-  Found repeat_or(const Found& found, const Matrix& visited) const {
+  Found repeat_or(const Found& found) const {
+    const Matrix visited = rows_in(set_, options_.visited);
+    if (visited.rows() == 0) return found;
     const Matrix contenders =
         promising_rows(visited, models_.predict_rows(visited), goal_, kContenders);
     const std::vector<Predictions> predicted = models_.predict_rows(contenders);
@@ -293,14 +301,7 @@ class Search {
 
 Proposal propose(std::span<const Surrogate> models, std::span<const Target> targets,
                  const FeasibleSet& set, int q, const ProposeOptions& options) {
-  check(models.size(), set, q, options);
-  const bool joint = options.repeats == Repeats::deliberate ||
-                     options.acquisition == Acquisition::noisy_expected_improvement;
-  for (const Surrogate& model : models)
-    if (joint && !model.has_covariance())
-      throw InputError(
-          "noisy expected improvement and deliberate repeats need a surrogate that gives "
-          "covariances, such as a Gaussian process");
+  check(models, set, q, options);
   const Goal goal(targets);
   BelievedModels believed(models, goal, set, options);
   Proposal proposal;

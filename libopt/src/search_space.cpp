@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "repose/base/error.hpp"
 
@@ -195,9 +196,10 @@ Vector SearchSpace::derivative(const Vector& coordinates) const {
 }
 
 Surrogate SearchSpace::in_coordinates(const Surrogate& surrogate) const {
+  const auto space = std::make_shared<const SearchSpace>(*this);  // copied with every belief
   return mapped_surrogate(
-      surrogate, [space = *this](const Vector& z) { return space.natural(z); },
-      [space = *this](const Vector& z) { return Matrix(space.derivative(z).asDiagonal()); });
+      surrogate, [space](const Vector& z) { return space->natural(z); },
+      [space](const Vector& z) { return Matrix(space->derivative(z).asDiagonal()); });
 }
 
 }  // namespace repose::opt

@@ -166,6 +166,12 @@ TEST(BayesianOptimizer, KeepsItsWholeProblemInTheFile) {
   options.propose.belief = Belief::worst_lie;
   options.propose.repeats = Repeats::allow;
   options.propose.kappa = 1.25;
+  options.propose.failed_distance = 0.03;
+  options.propose.minimum_distance = 0.002;
+  options.propose.candidates = 123;
+  options.propose.polished = 4;
+  options.propose.polish_evaluations = 55;
+  options.propose.draws = 67;
   BayesianOptimizer optimizer(problem, kriging(Vector::Ones(5)), options);
   optimizer.ask(9);
   optimizer.tell(3, Vector{{31.0, 2.0}});
@@ -186,6 +192,7 @@ TEST(BayesianOptimizer, KeepsItsWholeProblemInTheFile) {
   }
   EXPECT_EQ(read.fixed(), space.fixed());
   ASSERT_EQ(read.ties().size(), 1U);
+  EXPECT_EQ(read.ties()[0].name, "mean");
   EXPECT_EQ(read.ties()[0].sources, space.ties()[0].sources);
   ASSERT_EQ(read.constraints().size(), 1U);
   EXPECT_EQ(read.constraints()[0].coefficients, space.constraints()[0].coefficients);
@@ -202,6 +209,12 @@ TEST(BayesianOptimizer, KeepsItsWholeProblemInTheFile) {
   EXPECT_EQ(loaded.options().propose.belief, Belief::worst_lie);
   EXPECT_EQ(loaded.options().propose.repeats, Repeats::allow);
   EXPECT_EQ(loaded.options().propose.kappa, 1.25);
+  EXPECT_EQ(loaded.options().propose.failed_distance, 0.03);
+  EXPECT_EQ(loaded.options().propose.minimum_distance, 0.002);
+  EXPECT_EQ(loaded.options().propose.candidates, 123);
+  EXPECT_EQ(loaded.options().propose.polished, 4);
+  EXPECT_EQ(loaded.options().propose.polish_evaluations, 55);
+  EXPECT_EQ(loaded.options().propose.draws, 67);
   ASSERT_EQ(loaded.trials().size(), 9U);
   for (std::size_t i = 0; i < 9; ++i) {
     EXPECT_EQ(loaded.trials()[i].x, optimizer.trials()[i].x);
@@ -241,6 +254,81 @@ TEST(BayesianOptimizer, LearnsFromRunsMadeAnyway) {
   EXPECT_EQ(optimizer.recommend().trial, 1);
   EXPECT_EQ(optimizer.ask()[0].id, 2);
   EXPECT_THROW(optimizer.add(Vector{{30.0, 2.0}}, Vector::Constant(1, 0.4)), InputError);
+}
+
+TEST(BayesianOptimizer, RefusesRunsAtValuesThatParametersDoNotTake) {
+  const ParameterSpace space(
+      {{.name = "n", .lower = 1, .upper = 5, .kind = ParameterKind::integer},
+       {.name = "h", .kind = ParameterKind::levels, .levels = {0.1, 0.4}},
+       {.name = "mode", .kind = ParameterKind::categorical, .categories = {"x", "y"}}});
+  BayesianOptimizer optimizer({.parameters = space, .responses = {"f"}}, kriging(Vector::Ones(3)));
+  const Vector y = Vector::Zero(1);
+  EXPECT_EQ(optimizer.add(Vector{{2.0, 0.4, 1.0}}, y), 1);
+  EXPECT_THROW(optimizer.add(Vector{{2.5, 0.4, 1.0}}, y), InputError);
+  EXPECT_THROW(optimizer.add(Vector{{2.0, 0.2, 1.0}}, y), InputError);
+  EXPECT_THROW(optimizer.add(Vector{{2.0, 0.4, 0.5}}, y), InputError);
+  EXPECT_THROW(optimizer.add(Vector{{2.0, 0.4, 2.0}}, y), InputError);
+  EXPECT_EQ(optimizer.trials().size(), 1U);
+}
+
+TEST(BayesianOptimizer, AsksForNoInitialPointTwiceWhileOthersAreLeft) {
+  const ParameterSpace six(
+      {{.name = "n", .lower = 1, .upper = 3, .kind = ParameterKind::integer},
+       {.name = "mode", .kind = ParameterKind::categorical, .categories = {"x", "y"}}});
+  BayesianOptimizer optimizer({.parameters = six, .responses = {"f"}}, kriging(Vector::Ones(2)));
+  optimizer.add(Vector{{2.0, 1.0}}, Vector::Zero(1));
+  optimizer.ask(2);
+  optimizer.ask(3);
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = 0; j < i; ++j) EXPECT_NE(optimizer.trials()[i].x, optimizer.trials()[j].x);
+  EXPECT_EQ(optimizer.ask(2).size(), 2U);  // none is left
+}
+
+TEST(BayesianOptimizer, GoesOnWithInitialPointsUntilTheFitterHasEnough) {
+  const auto hungry = [](const Matrix& x, const Matrix& y) {
+    if (x.rows() < 6) throw InputError("six runs at least");
+    return kriging(kBraninRange)(x, y);
+  };
+  BayesianOptimizationOptions options = kQuick;
+  options.initial_points = 8;
+  BayesianOptimizer optimizer(branin_problem(), hungry, options);
+  for (const Trial& trial : optimizer.ask(8)) {  // five of eight are done
+    if (trial.id <= 5)
+      optimizer.tell(trial.id, answer(trial));
+    else
+      optimizer.tell_failed(trial.id);
+  }
+  const Trial ninth = optimizer.ask()[0];
+  EXPECT_TRUE(std::isnan(ninth.merit));  // one more by chance
+  optimizer.tell(ninth.id, answer(ninth));
+  EXPECT_FALSE(std::isnan(optimizer.ask()[0].merit));
+}
+
+TEST(BayesianOptimizer, RecommendsAPointThatObeysTheConstraints) {
+  const ParameterSpace space({{.name = "a", .lower = 0.0, .upper = 1.0}}, {}, {},
+                             {{.name = "c", .coefficients = {{"a", 1.0}}, .upper = 0.5}});
+  BayesianOptimizer optimizer({.parameters = space, .responses = {"f"}}, kriging(Vector::Ones(1)));
+  optimizer.add(Vector{{0.9}}, Vector::Constant(1, 0.0));
+  EXPECT_EQ(optimizer.recommend().trial, 1);  // there is no other
+  optimizer.add(Vector{{0.2}}, Vector::Constant(1, 5.0));
+  EXPECT_EQ(optimizer.recommend().trial, 2);
+}
+
+TEST(BayesianOptimizer, KeepsConstraintsOfOneNameApartInItsFile) {
+  const ParameterSpace space(
+      {{.name = "a", .lower = 0.0, .upper = 1.0}, {.name = "b", .lower = 0.0, .upper = 1.0}}, {},
+      {},
+      {{.name = "c", .coefficients = {{"a", 1.0}}, .upper = 0.5},
+       {.name = "c", .coefficients = {{"b", 1.0}}, .lower = 0.25}});
+  BayesianOptimizer optimizer({.parameters = space, .responses = {"f"}}, kriging(Vector::Ones(2)));
+  const TemporaryFile file;
+  optimizer.save(file.path());
+  const auto loaded = BayesianOptimizer::load(file.path(), kriging(Vector::Ones(2)));
+  const auto& read = loaded.problem().parameters.constraints();
+  ASSERT_EQ(read.size(), 2U);
+  EXPECT_EQ(read[0].upper, 0.5);
+  EXPECT_EQ(read[1].lower, 0.25);
+  EXPECT_EQ(read[1].coefficients, space.constraints()[1].coefficients);
 }
 
 TEST(BayesianOptimizer, RefusesWhatItCannotUse) {

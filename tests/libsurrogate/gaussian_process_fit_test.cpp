@@ -197,11 +197,12 @@ TEST(GaussianProcessFit, DoesNotDependOnTheOrderOfRows) {
 }
 
 /// Largest differences of predictions, and of variances, by a fit in units kx and ky.
-void expect_same_in_units(double kx, double ky, double tolerance) {
+void expect_same_in_units(double kx, double ky, double tolerance,
+                          const GaussianProcessOptions& options = {}) {
   const Noisy s;
-  const auto plain = GaussianProcess::fit(s.x, s.y, s.cube);
+  const auto plain = GaussianProcess::fit(s.x, s.y, s.cube, options);
   const auto scaled =
-      GaussianProcess::fit(kx * s.x, ky * s.y, {kx * s.cube.lower, kx * s.cube.upper});
+      GaussianProcess::fit(kx * s.x, ky * s.y, {kx * s.cube.lower, kx * s.cube.upper}, options);
   const std::vector<Gaussian> a = plain.predict_rows(s.probe);
   const std::vector<Gaussian> b = scaled.predict_rows(kx * s.probe);
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -210,12 +211,17 @@ void expect_same_in_units(double kx, double ky, double tolerance) {
   }
 }
 
-// powers of two round nothing; else to what the search resolves: it stops where f changes by less
-// than 1e-10 f, so log parameters are known to sqrt(2e-10 f/f'') = 3e-5 (f = 50, f'' = 10 or so for
-// 60 points), of which predictions change by a tenth
+// powers of two round nothing; others to what rounding of the likelihood lets a search resolve that
+// goes as far as it can, 1e-7 of a log parameter
 TEST(GaussianProcessFit, DoesNotDependOnUnits) {
   expect_same_in_units(0x1p20, 0x1p-30, 0.0);
-  expect_same_in_units(1e6, 1e-9, 3e-6);
+  GaussianProcessOptions to_the_end;
+  to_the_end.minimizer = opt::BuiltinMinimizer{{.relative_x_tolerance = 1e-12,
+                                                .absolute_x_tolerance = 1e-12,
+                                                .relative_f_tolerance = 0.0,
+                                                .max_evaluations = 1000,
+                                                .initial_curvature = 1.0}};
+  expect_same_in_units(1e6, 1e-9, 1e-7, to_the_end);
 }
 
 TEST(GaussianProcessFit, FindsTheNoiseAndTheFunction) {

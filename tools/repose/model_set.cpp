@@ -19,6 +19,18 @@ namespace {
 
 using surrogate::NamedModel;
 
+std::vector<NamedModel> loaded(const std::vector<std::string>& files) {
+  std::vector<NamedModel> models;
+  for (const auto& file : files) {
+    models.push_back(surrogate::load_model(file));
+    for (std::size_t i = 0; i + 1 < models.size(); ++i)
+      if (models[i].response == models.back().response)
+        throw InputError(
+            fmt::format("{} and {} both predict {}", files[i], file, models[i].response));
+  }
+  return models;
+}
+
 Parameter parameter_of(const std::string& name, const surrogate::Input& input) {
   Parameter p{.name = name, .lower = input.lower, .upper = input.upper, .scale = input.scale};
   if (input.is_categorical()) {
@@ -91,6 +103,24 @@ opt::Target target_of(const std::string& text) {
   if (!read) throw InputError(fmt::format("--target {}: write {}", text, kForm));
   target.value = *read;
   return target;
+}
+
+constexpr const char* kOfTarget = "KPI=NUMBER with the KPI of a --target";
+
+double number_of(const char* option, const std::string& text) {
+  const auto value = number_in(assignment(text, option, kOfTarget).value);
+  if (!value) throw InputError(fmt::format("{} {}: write {}", option, text, kOfTarget));
+  return *value;
+}
+
+opt::Target& target_named(std::vector<opt::Target>& targets, const char* option,
+                          const std::string& text) {
+  const std::string name = assignment(text, option, kOfTarget).name;
+  const auto found =
+      std::find_if(targets.begin(), targets.end(), [&](const auto& t) { return t.name == name; });
+  if (found == targets.end())
+    throw InputError(fmt::format("{} {}: write {}", option, text, kOfTarget));
+  return *found;
 }
 
 double value_to_fix(const Parameter* p, const Assignment& fix) {
@@ -268,25 +298,12 @@ void ModelSet::read_targets(const ModelSetOptions& options) {
     if (std::count(responses.begin(), responses.end(), t.name) != 1)
       throw InputError(fmt::format("--target {}: no model predicts it; there are models of {}",
                                    t.name, fmt::join(responses, ", ")));
-  for (const std::string& text : options.weights) {
-    const Assignment weight = assignment(text, "--weight", "KPI=WEIGHT");
-    const auto value = number_in(weight.value);
-    const auto found = std::find_if(given.begin(), given.end(),
-                                    [&](const auto& t) { return t.name == weight.name; });
-    if (!value || found == given.end())
-      throw InputError(
-          fmt::format("--weight {}: write KPI=WEIGHT with the KPI of a --target", text));
-    found->weight = *value;
-  }
+  for (const std::string& text : options.weights)
+    target_named(given, "--weight", text).weight = number_of("--weight", text);
   for (const std::string& text : options.scales) {
-    const Assignment scale = assignment(text, "--scale", "KPI=SCALE");
-    const auto value = number_in(scale.value);
-    const auto found = std::find_if(given.begin(), given.end(),
-                                    [&](const auto& t) { return t.name == scale.name; });
-    if (!value || !(*value > 0.0) || found == given.end())
-      throw InputError(
-          fmt::format("--scale {}: write KPI=SCALE, above 0, with the KPI of a --target", text));
-    found->scale = *value;
+    const double scale = number_of("--scale", text);
+    if (!(scale > 0.0)) throw InputError(fmt::format("--scale {}: it must be above 0", text));
+    target_named(given, "--scale", text).scale = scale;
   }
   for (opt::Target& t : given)
     t.penalty = options.loss == "squared" ? opt::Penalty::squared : opt::Penalty::absolute;
@@ -310,20 +327,6 @@ void ModelSet::read_targets(const ModelSetOptions& options) {
   }
   opt::check_targets(targets_);
 }
-
-namespace {
-std::vector<NamedModel> loaded(const std::vector<std::string>& files) {
-  std::vector<NamedModel> models;
-  for (const auto& file : files) {
-    models.push_back(surrogate::load_model(file));
-    for (std::size_t i = 0; i + 1 < models.size(); ++i)
-      if (models[i].response == models.back().response)
-        throw InputError(
-            fmt::format("{} and {} both predict {}", files[i], file, models[i].response));
-  }
-  return models;
-}
-}  // namespace
 
 ModelSet::ModelSet(const ModelSetOptions& options)
     : models_(loaded(options.models)),
