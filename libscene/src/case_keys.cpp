@@ -199,6 +199,8 @@ const std::vector<CaseKey> kKeys = {
     {"[output]", "series_interval_s", "s", "0.005", "rows of the time series"},
     {"[output]", "vtp", kFlag, "false", "snapshots also as VTP files for ParaView"},
     {"[output]", "energy", kFlag, "false", "the energy ledger"},
+    {"[output]", "checkpoint_wall_time_s", "s", "300",
+     "wall time between checkpoints; 0: only on signals"},
 };
 
 /// Appends words to lines of at most `columns`, later lines indented.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "repose/table/io.hpp"
+#include "run_parts.hpp"
 
 namespace repose::scene {
 namespace {
@@ -51,6 +52,13 @@ void RowTable::flush() {
   table::write_table({chunk_file(chunks_ + 1), "/table"}, table_of(heads_, waiting_));
   ++chunks_;
   for (std::vector<double>& column : waiting_) column.clear();
+}
+
+void RowTable::go_on_after(int chunks) {
+  for (int chunk = 1; chunk <= chunks; ++chunk) require_part(chunk_file(chunk));
+  for (int chunk = chunks + 1; remove_part(chunk_file(chunk)); ++chunk) {
+  }
+  chunks_ = chunks;
 }
 
 table::Table RowTable::whole() {

@@ -27,6 +27,10 @@ class RowTable {
   void add(const std::vector<double>& row);
   /// Writes what waits as a chunk. Throws StorageError.
   void flush();
+  int chunks() const { return chunks_; }
+  /// Goes on after the first `chunks` files of an earlier run; removes those that follow. Throws
+  /// StorageError if one is missing.
+  void go_on_after(int chunks);
   bool is_empty() const { return chunks_ == 0 && waiting_.front().empty(); }
   /// All rows so far as one table; reads the chunks. Throws StorageError.
   table::Table whole();

@@ -6,7 +6,6 @@
 #include <array>
 #include <cstdio>
 #include <optional>
-#include <system_error>
 #include <utility>
 
 #include "repose/base/error.hpp"
@@ -15,6 +14,7 @@
 #include "repose/scene/vtp.hpp"
 #include "repose/table/io.hpp"
 #include "row_table.hpp"
+#include "run_parts.hpp"
 #include "run_tables.hpp"
 
 namespace repose::scene {
@@ -24,14 +24,6 @@ namespace fs = std::filesystem;
 
 std::string snapshot_group(std::size_t i) {
   return fmt::format("/snapshots/{:06}", i + 1);
-}
-
-void remove_tree(const fs::path& path) {
-  std::error_code error;
-  fs::remove_all(path, error);
-  if (error)
-    throw StorageError(path.string() + ": cannot be removed: " + error.message() +
-                       "; remove it by hand or choose another folder");
 }
 
 }  // namespace
@@ -57,16 +49,45 @@ struct RunWriter::State {
   }
 };
 
+fs::path checkpoint_file(const fs::path& run_dir) {
+  return run_dir / "checkpoint.h5";
+}
+
 RunWriter::RunWriter(fs::path directory, const Case& scene)
     : state_(std::make_unique<State>(std::move(directory), scene)) {
   const fs::path& folder = state_->directory;
   make_directory(folder);
-  for (const char* part : {"run.h5", "snapshots", "series", "vtp", "log.txt"})
+  for (const char* part : {"run.h5", "checkpoint.h5", "snapshots", "series", "vtp", "log.txt"})
     remove_tree(folder / part);
+  remove_unfinished(folder);
   make_directory(folder / "snapshots");
   make_directory(folder / "series");
   write_file_atomically(folder / "case.toml", state_->case_text);
   if (scene.output.vtp) state_->vtp.emplace(folder / "vtp", scene);
+}
+
+RunWriter::RunWriter(fs::path directory, const Case& scene, const OutputPosition& position)
+    : state_(std::make_unique<State>(std::move(directory), scene)) {
+  const fs::path& folder = state_->directory;
+  for (const fs::path& part : {folder, folder / "snapshots", folder / "series", folder / "vtp"})
+    remove_unfinished(part);
+  remove_part(folder / "run.h5");
+  const auto tables = state_->tables();
+  if (position.chunks.size() != tables.size())
+    throw StorageError(folder.string() + ": the output of another version cannot go on");
+  for (std::size_t t = 0; t < tables.size(); ++t)
+    tables[t]->go_on_after(static_cast<int>(position.chunks[t]));
+  std::vector<double> times_s;
+  for (; state_->snapshots < position.snapshots; ++state_->snapshots) {
+    const fs::path file = state_->snapshot_file(state_->snapshots + 1);
+    require_part(file);
+    times_s.push_back(attribute<double>(table::read_attributes({file, "/table"}), "time_s", file));
+  }
+  for (int s = state_->snapshots + 1; remove_part(state_->snapshot_file(s)); ++s) {
+  }
+  if (!scene.output.vtp) return;
+  state_->vtp.emplace(folder / "vtp", scene);
+  state_->vtp->go_on_after(times_s, position.poses);
 }
 
 RunWriter::~RunWriter() = default;
@@ -92,6 +113,16 @@ void RunWriter::write_snapshot(const Snapshot& snapshot, const std::vector<WallP
   table::write_table({state_->snapshot_file(state_->snapshots + 1), "/table"}, table_of(snapshot));
   ++state_->snapshots;
   if (state_->vtp) state_->vtp->write(snapshot, poses);
+}
+
+OutputPosition RunWriter::position() {
+  OutputPosition position{.snapshots = state_->snapshots};
+  for (RowTable* table : state_->tables()) {
+    table->flush();
+    position.chunks.push_back(table->chunks());
+  }
+  if (state_->vtp) position.poses = state_->vtp->poses();
+  return position;
 }
 
 void RunWriter::log(std::string_view line) {
@@ -120,6 +151,7 @@ void RunWriter::finish(const RunSummary& summary) {
   attributes["snapshot_times_s"] = times;
   attributes["snapshot_stages"] = stages;
   table::write_tables(state_->directory / "run.h5", groups, attributes);
+  remove_part(checkpoint_file(state_->directory));  // while the parts are there that it needs
   remove_tree(state_->directory / "series");
   remove_tree(state_->directory / "snapshots");
 }

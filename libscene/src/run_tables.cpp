@@ -181,6 +181,7 @@ table::Attributes attributes_of(const RunSummary& s, const std::string& case_tex
   a["alive_kg"] = s.bodies.alive_kg;
   a["wall_time_s"] = s.wall_time_s;
   a["largest_overlap_ratio"] = s.largest_overlap_ratio;
+  if (!s.state_hash.empty()) a["state_hash"] = s.state_hash;
   a["engine"] = s.engine;
   a["version"] = s.version;
   a["seed"] = static_cast<std::int64_t>(s.seed);
@@ -212,6 +213,7 @@ RunSummary summary_of(const table::Attributes& a, const fs::path& file) {
               .alive_kg = attribute<double>(a, "alive_kg", file)};
   s.wall_time_s = attribute<double>(a, "wall_time_s", file);
   s.largest_overlap_ratio = attribute<double>(a, "largest_overlap_ratio", file);
+  if (a.contains("state_hash")) s.state_hash = attribute<std::string>(a, "state_hash", file);
   s.engine = attribute<std::string>(a, "engine", file);
   s.version = attribute<std::string>(a, "version", file);
   s.seed = static_cast<std::uint64_t>(attribute<std::int64_t>(a, "seed", file));

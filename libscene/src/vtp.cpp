@@ -8,6 +8,7 @@
 
 #include "repose/base/file.hpp"
 #include "repose/base/text.hpp"
+#include "run_parts.hpp"
 
 namespace repose::scene {
 namespace {
@@ -91,6 +92,14 @@ class PolyData {
   std::string bytes_;
 };
 
+std::string particles_file(std::size_t number) {
+  return fmt::format("particles_{:06}.vtp", number);
+}
+
+std::string walls_file(std::size_t number) {
+  return fmt::format("walls_{:06}.vtp", number);
+}
+
 WallPose pose_of(const std::vector<WallPose>& poses, std::size_t wall) {
   return poses.empty() ? WallPose{} : poses.at(wall);
 }
@@ -163,6 +172,11 @@ WallPicture VtpWriter::picture(const std::vector<WallPose>& poses) const {
   return all;
 }
 
+void VtpWriter::write_indices() const {
+  write_index("particles.pvd", particle_files_);
+  write_index("walls.pvd", wall_files_);
+}
+
 void VtpWriter::write_index(const char* name, const std::vector<std::string>& files) const {
   std::string text =
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" "
@@ -175,20 +189,37 @@ void VtpWriter::write_index(const char* name, const std::vector<std::string>& fi
 
 void VtpWriter::write(const Snapshot& snapshot, const std::vector<WallPose>& poses) {
   const std::size_t number = times_s_.size() + 1;
-  const std::string particles = fmt::format("particles_{:06}.vtp", number);
+  const std::string particles = particles_file(number);
   write_file_atomically(folder_ / particles, vtp_text(snapshot));
   const bool is_first = wall_files_.empty();
   std::string walls = is_first ? "" : wall_files_.back();
   if (is_first || poses != poses_) {
-    walls = fmt::format("walls_{:06}.vtp", number);
+    walls = walls_file(number);
     write_file_atomically(folder_ / walls, vtp_text(picture(poses), snapshot.time_s));
     poses_ = poses;
   }
   times_s_.push_back(snapshot.time_s);
   particle_files_.push_back(particles);
   wall_files_.push_back(walls);
-  write_index("particles.pvd", particle_files_);
-  write_index("walls.pvd", wall_files_);
+  write_indices();
+}
+
+void VtpWriter::go_on_after(const std::vector<double>& times_s,
+                            const std::vector<WallPose>& poses) {
+  times_s_ = times_s;
+  poses_ = poses;
+  for (std::size_t number = 1; number <= times_s.size(); ++number) {
+    particle_files_.push_back(particles_file(number));
+    require_part(folder_ / particle_files_.back());
+    const std::string walls = walls_file(number);
+    const bool is_new = std::filesystem::exists(folder_ / walls);
+    if (number == 1) require_part(folder_ / walls);
+    wall_files_.push_back(is_new ? walls : wall_files_.back());
+  }
+  for (std::size_t number = times_s.size() + 1; remove_part(folder_ / particles_file(number));
+       ++number)
+    remove_part(folder_ / walls_file(number));
+  if (!times_s.empty()) write_indices();
 }
 
 }  // namespace repose::scene

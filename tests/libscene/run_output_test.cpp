@@ -2,7 +2,10 @@
 
 #include <unistd.h>
 
+#include <map>
+
 #include "repose/base/error.hpp"
+#include "repose/base/file.hpp"
 #include "repose/scene/run_output.hpp"
 #include "sample_case.hpp"
 
@@ -21,6 +24,14 @@ struct Scratch {
 Case recorded_case() {
   Case scene = sample_case();
   scene.output.vtp = false;
+  return scene;
+}
+
+/// The sample with VTP files; its mesh is not there.
+Case pictured_case() {
+  Case scene = sample_case();
+  std::erase_if(scene.walls, [](const Wall& wall) { return wall.name == "blade"; });
+  std::erase_if(scene.motions, [](const Motion& m) { return m.walls.front() == "blade"; });
   return scene;
 }
 
@@ -65,6 +76,7 @@ TEST(RunOutput, OfAFinishedRunReadsBackWhole) {
                     .removed_kg = 0.1,
                     .alive_kg = 0.3};
   summary.engine = "test";
+  summary.state_hash = "00ff00ff00ff00ff";
   summary.seed = 42;
   summary.stages = {{"fill", 0.5, "at rest"}, {"open", 2.5, "duration"}};
   writer.finish(summary);
@@ -76,6 +88,7 @@ TEST(RunOutput, OfAFinishedRunReadsBackWhole) {
   EXPECT_EQ(run.summary().spheres, 5);
   EXPECT_TRUE(run.summary().bodies == summary.bodies);
   EXPECT_EQ(run.summary().stages[0].reason, "at rest");
+  EXPECT_EQ(run.summary().state_hash, "00ff00ff00ff00ff");
   EXPECT_TRUE(run.scene() == scene);
   ASSERT_EQ(run.series().rows(), static_cast<std::size_t>(rows));
   EXPECT_EQ(run.series().numbers("kinetic_energy_j")[9999], 1.0 / 10000);
@@ -169,16 +182,81 @@ TEST(RunOutput, RefusesARowOfTheWrongLength) {
 
 TEST(RunOutput, HasVtpFilesIfAsked) {
   const Scratch scratch;
-  Case scene = sample_case();
-  std::erase_if(scene.walls, [](const Wall& wall) { return wall.name == "blade"; });
-  std::erase_if(scene.motions, [](const Motion& m) { return m.walls.front() == "blade"; });
-  RunWriter writer(scratch.path, scene);
+  RunWriter writer(scratch.path, pictured_case());
   writer.add_row(series_row());
   writer.write_snapshot(sample_snapshot(0.5, "fill"));
   writer.finish({});
   for (const char* file :
        {"particles.pvd", "particles_000001.vtp", "walls.pvd", "walls_000001.vtp"})
     EXPECT_TRUE(std::filesystem::exists(scratch.path / "vtp" / file)) << file;
+}
+
+/// Rows and snapshots of the times k = first, ..., last - 1; every second one moves the walls.
+void write_times(RunWriter& writer, const Case& scene, int first, int last) {
+  std::vector<WallPose> poses(scene.walls.size());
+  for (int k = first; k < last; ++k) {
+    SeriesRow row = series_row();
+    row.time_s = k;
+    writer.add_row(row);
+    writer.add_row(EnergyRow{.time_s = static_cast<double>(k)});
+    poses.back().translation.x() = k / 2;
+    writer.write_snapshot(sample_snapshot(k, "fill"), poses);
+  }
+}
+
+std::map<std::string, std::string> vtp_files(const std::filesystem::path& run_dir) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(run_dir / "vtp"))
+    files[entry.path().filename().string()] = read_file(entry.path());
+  return files;
+}
+
+TEST(RunOutput, GoesOnWhereItWasStoppedAsIfItHadNotBeen) {
+  const Scratch scratch;
+  const Case scene = pictured_case();
+  {
+    RunWriter writer(scratch.path / "straight", scene);
+    write_times(writer, scene, 0, 7);
+    writer.finish({});
+  }
+  OutputPosition position;
+  {
+    RunWriter writer(scratch.path / "stopped", scene);
+    write_times(writer, scene, 0, 3);
+    position = writer.position();
+    write_times(writer, scene, 3, 6);  // was written, but the state of the run was not
+    writer.position();
+    write_file_atomically(scratch.path / "stopped" / "series" / ".x.h5.1.0.tmp", "half");
+  }
+  RunWriter writer(scratch.path / "stopped", scene, position);
+  EXPECT_TRUE(writer.position() == position);
+  EXPECT_FALSE(std::filesystem::exists(scratch.path / "stopped" / "series" / ".x.h5.1.0.tmp"));
+  write_times(writer, scene, 3, 7);
+  writer.finish({});
+  const scene::Run straight = read_run(scratch.path / "straight");
+  const scene::Run stopped = read_run(scratch.path / "stopped");
+  EXPECT_EQ(stopped.series().numbers("time_s"), straight.series().numbers("time_s"));
+  EXPECT_EQ(stopped.energy().numbers("time_s"), straight.energy().numbers("time_s"));
+  ASSERT_EQ(stopped.snapshots().size(), 7u);
+  for (std::size_t i = 0; i < 7; ++i)
+    EXPECT_EQ(stopped.snapshots()[i].time_s, static_cast<double>(i));
+  EXPECT_EQ(vtp_files(scratch.path / "stopped"), vtp_files(scratch.path / "straight"));
+}
+
+TEST(RunOutput, DoesNotGoOnWithoutAPartThatItNeeds) {
+  const Scratch scratch;
+  const Case scene = pictured_case();
+  RunWriter writer(scratch.path, scene);
+  write_times(writer, scene, 0, 3);
+  const OutputPosition position = writer.position();
+  std::filesystem::remove(scratch.path / "snapshots" / "snapshot_000002.h5");
+  try {
+    const RunWriter again(scratch.path, scene, position);
+    ADD_FAILURE() << "a missing snapshot was not noticed";
+  } catch (const StorageError& error) {
+    EXPECT_NE(std::string(error.what()).find("snapshot_000002.h5: is missing"), std::string::npos)
+        << error.what();
+  }
 }
 
 TEST(RunOutput, OfAnUnfinishedRunIsRefusedAsSuch) {

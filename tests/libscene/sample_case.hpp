@@ -116,7 +116,11 @@ inline Case sample_case() {
   second.flow_ends = FlowEnds{"bin", 0.01, 0.15};
   c.stages = {first, second};
   c.motions = sample_motions();
-  c.output = {.snapshot_interval_s = 0.25, .series_interval_s = 0.01, .vtp = true, .energy = true};
+  c.output = {.snapshot_interval_s = 0.25,
+              .series_interval_s = 0.01,
+              .vtp = true,
+              .energy = true,
+              .checkpoint_wall_time_s = 60.0};
   return c;
 }
 

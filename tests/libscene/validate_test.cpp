@@ -14,6 +14,8 @@ const std::vector<Wrong> kWrong = {
     {"gravity", [](Case& c) { c.gravity_m_s2.x() = kNan; }, "gravity_m_s2.x"},
     {"empty domain", [](Case& c) { c.upper_m.z() = -0.3; }, "domain.upper_m.z"},
     {"series", [](Case& c) { c.output.series_interval_s = 0.0; }, "series_interval_s"},
+    {"checkpoint", [](Case& c) { c.output.checkpoint_wall_time_s = -1.0; },
+     "checkpoint_wall_time_s"},
     {"snapshots", [](Case& c) { c.output.snapshot_interval_s = -1.0; }, "snapshot_interval_s"},
     {"no material", [](Case& c) { c.materials.clear(); }, "no material"},
     {"same name", [](Case& c) { c.materials[1].name = "pellet"; }, "stands twice"},

@@ -64,6 +64,8 @@ Output read_output(const TomlTable& table) {
       table.number_or("series_interval_s", output.series_interval_s, kPositive);
   output.vtp = table.flag_or("vtp", output.vtp);
   output.energy = table.flag_or("energy", output.energy);
+  output.checkpoint_wall_time_s =
+      table.number_or("checkpoint_wall_time_s", output.checkpoint_wall_time_s, kNonNegative);
   return output;
 }
 
@@ -106,6 +108,7 @@ void write_output(CaseText& out, const Output& output) {
   out.put("series_interval_s", output.series_interval_s);
   out.put_flag("vtp", output.vtp);
   out.put_flag("energy", output.energy);
+  out.put("checkpoint_wall_time_s", output.checkpoint_wall_time_s);
 }
 
 }  // namespace repose::scene

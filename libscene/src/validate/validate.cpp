@@ -23,6 +23,7 @@ void check_run(const Case& scene) {
              "must be above domain.lower_m = " + shortest(scene.lower_m[k]));
   require_non_negative("output.snapshot_interval_s", scene.output.snapshot_interval_s);
   require_positive("output.series_interval_s", scene.output.series_interval_s);
+  require_non_negative("output.checkpoint_wall_time_s", scene.output.checkpoint_wall_time_s);
 }
 
 }  // namespace

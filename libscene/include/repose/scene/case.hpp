@@ -70,6 +70,8 @@ struct Output {
   double series_interval_s = 0.005;
   bool vtp = false;     ///< snapshots also as VTP files for ParaView
   bool energy = false;  ///< the energy ledger, which costs a few per cent of time
+  /// Wall time between checkpoints, from which a run that was stopped goes on; 0: only on signals.
+  double checkpoint_wall_time_s = 300.0;
   bool operator==(const Output&) const = default;
 };
 

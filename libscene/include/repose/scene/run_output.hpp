@@ -5,6 +5,8 @@
 // end they become one run.h5: tables /series, /walls, /contacts, /energy (those that have rows) and
 // /snapshots/000001 ..., and the summary as attributes of the file; only then does run.h5 exist,
 // and the parts are removed. RUN_DIR/vtp, if Output::vtp, stays (see vtp.hpp).
+// RUN_DIR/checkpoint.h5 holds the state from which a run that was stopped goes on; it is the
+// engine's and goes with the parts.
 //
 // Columns of all four time series: time_s, and then
 //   /series    kinetic_energy_j, max_overlap_ratio (the largest since the row before), contacts,
@@ -32,12 +34,26 @@
 
 namespace repose::scene {
 
+/// How far the output of a run has come: with its folder all that a RunWriter needs to go on.
+struct OutputPosition {
+  std::vector<std::int64_t> chunks;  ///< closed files of /series, /walls, /contacts, /energy
+  std::int64_t snapshots = 0;
+  std::vector<WallPose> poses;  ///< of the last snapshot as VTP
+  bool operator==(const OutputPosition&) const = default;
+};
+
+/// Where the checkpoint of a run is, see docs/decisions/0008.
+std::filesystem::path checkpoint_file(const std::filesystem::path& run_dir);
+
 /// Writes a run folder as it grows.
 class RunWriter {
  public:
   /// Creates the folder, removes what an earlier run left in it, writes case.toml. Throws
   /// StorageError.
   RunWriter(std::filesystem::path directory, const Case& scene);
+  /// Goes on in the folder of a run that was stopped, from where position() once was: removes what
+  /// was written later. Throws StorageError if something is missing.
+  RunWriter(std::filesystem::path directory, const Case& scene, const OutputPosition& position);
   ~RunWriter();
   RunWriter(RunWriter&&) noexcept;
   RunWriter& operator=(RunWriter&&) noexcept;
@@ -48,9 +64,11 @@ class RunWriter {
   void add_row(const EnergyRow& row);
   /// `poses` of Case::walls at this time, for VTP files; empty: as drawn.
   void write_snapshot(const Snapshot& snapshot, const std::vector<WallPose>& poses = {});
+  /// Writes all rows that wait, and tells how far the output has come. Throws StorageError.
+  OutputPosition position();
   /// Appends a line to log.txt.
   void log(std::string_view line);
-  /// Assembles run.h5 and removes the parts.
+  /// Assembles run.h5, then removes checkpoint and parts.
   void finish(const RunSummary& summary);
 
  private:

@@ -114,6 +114,9 @@ struct RunSummary {
   Ledger bodies;             ///< at the end
   double wall_time_s = 0.0;
   double largest_overlap_ratio = 0.0;
+  /// 16 hexadecimal digits that stand for all bits of the final state: equal runs have equal ones.
+  /// Empty if the engine gives none.
+  std::string state_hash;
   std::string engine;   ///< e.g. "repose-dem"
   std::string version;  ///< of the engine
   std::uint64_t seed = 0;

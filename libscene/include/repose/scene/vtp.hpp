@@ -41,9 +41,15 @@ class VtpWriter {
   /// Writes the particles, the walls if `poses` differ from those before (empty: as drawn), and the
   /// indices. Throws StorageError.
   void write(const Snapshot& snapshot, const std::vector<WallPose>& poses);
+  /// Goes on after the snapshots of an earlier run, which had these times and the last of them
+  /// these poses; removes files that follow. Throws StorageError if one is missing.
+  void go_on_after(const std::vector<double>& times_s, const std::vector<WallPose>& poses);
+  /// Of the last snapshot.
+  const std::vector<WallPose>& poses() const { return poses_; }
 
  private:
   WallPicture picture(const std::vector<WallPose>& poses) const;
+  void write_indices() const;
   void write_index(const char* name, const std::vector<std::string>& files) const;
 
   std::filesystem::path folder_;
