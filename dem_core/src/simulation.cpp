@@ -155,7 +155,7 @@ double Simulation::kinetic_energy_j() {
 
 std::size_t Simulation::contacts() {
   state_->prepare();
-  return state_->touching.size() + state_->wall_contacts.all.size();
+  return state_->pool.size() + state_->wall_contacts.all.size();
 }
 
 double Simulation::take_largest_overlap_ratio() {

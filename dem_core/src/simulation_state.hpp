@@ -34,7 +34,6 @@ struct Simulation::State {
   std::map<std::string, double> stage_start_s;
   NeighborLists lists;
   ContactPool pool;
-  std::vector<TouchingPair> touching;
   DeepestOverlap deepest;  // since it was last taken
   WallContacts wall_contacts;
   std::int64_t wall_load_steps = 0;  // summed in the loads of walls

@@ -31,8 +31,7 @@ void Simulation::State::compute_forces(double history_dt) {
   DeepestOverlap now;
   ContactEnergies sum;
   ContactEnergies* const energies = scene.output.energy ? &sum : nullptr;
-  find_touching(box, spheres, lists.pairs, pool, touching);
-  add_pair_forces(laws, history_dt, touching, spheres, pool, now, energies);
+  add_pair_forces(box, laws, history_dt, spheres, lists.pairs, pool, now, energies);
   add_wall_forces(laws, history_dt, lists.walls, walls, spheres, wall_contacts, now, energies);
   if (scene.output.energy) count_dissipation(sum, history_dt);
   ++wall_load_steps;

@@ -137,12 +137,12 @@ std::vector<scene::PairContacts> Simulation::contact_statistics() {
     const int pair = index_of[static_cast<std::size_t>(a * materials + b)];
     return sums[static_cast<std::size_t>(pair)];
   };
-  const std::vector<ContactState> pairs = pair_states(s.laws, s.dt, s.touching, s.spheres, s.pool);
-  for (std::size_t p = 0; p < pairs.size(); ++p) {
-    const auto i = static_cast<std::size_t>(s.touching[p].i);
-    const auto j = static_cast<std::size_t>(s.touching[p].j);
+  for (const PairState& pair :
+       pair_states(s.box, s.laws, s.dt, s.spheres, s.lists.pairs, s.pool)) {
+    const auto i = static_cast<std::size_t>(pair.i);
+    const auto j = static_cast<std::size_t>(pair.j);
     of_pair(s.spheres.material[i], s.spheres.material[j])
-        .add(pairs[p], std::min(s.spheres.motion[i].radius, s.spheres.motion[j].radius));
+        .add(pair.state, std::min(s.spheres.motion[i].radius, s.spheres.motion[j].radius));
   }
   const std::vector<ContactState> walls =
       wall_states(s.laws, s.dt, s.walls, s.spheres, s.wall_contacts);

@@ -107,7 +107,7 @@ TEST(NeighborList, CarriesHistoryThroughANewOrder) {
       if ((spheres.motion[i].x - spheres.motion[j].x).norm() >
           spheres.motion[i].radius + spheres.motion[j].radius)
         continue;
-      neighbor.contact = pool.begin_contact({});
+      neighbor.contact = pool.begin_contact();
       const std::int32_t a = spheres.id[i];
       const std::int32_t b = spheres.id[j];
       pool.at(neighbor.contact).history.slip = a < b ? signature(a, b) : Vec3(-signature(b, a));

@@ -8,13 +8,6 @@
 
 namespace repose::dem {
 
-/// A touching pair of this step.
-struct TouchingPair {
-  Vec3 offset;  ///< from i to the nearest image of j
-  double distance2;
-  std::int32_t i, j, contact;
-};
-
 /// The deepest overlap, as a fraction of the smaller radius, with who has it.
 struct DeepestOverlap {
   double overlap = 0.0;
@@ -30,20 +23,22 @@ struct DeepestOverlap {
   }
 };
 
-/// Finds the pairs that touch, in list order; begins contacts and ends those that separated.
-void find_touching(const Box& box, const Spheres& spheres, NeighborList& pairs, ContactPool& pool,
-                   std::vector<TouchingPair>& touching);
-
-/// Adds the forces of all touching pairs to the loads, in list order, and what they store and lose
-/// to `energies` unless it is null.
-void add_pair_forces(const LawTable& laws, double dt, const std::vector<TouchingPair>& touching,
-                     Spheres& spheres, ContactPool& pool, DeepestOverlap& deepest,
+/// Finds the pairs that touch, in list order; begins contacts and ends those that separated; adds
+/// the forces of all that touch to the loads, in list order, and what they store and lose to
+/// `energies` unless it is null.
+void add_pair_forces(const Box& box, const LawTable& laws, double dt, Spheres& spheres,
+                     NeighborList& pairs, ContactPool& pool, DeepestOverlap& deepest,
                      ContactEnergies* energies = nullptr);
 
-/// The pairs of `touching`, in order, as they are now; nothing changes.
-std::vector<ContactState> pair_states(const LawTable& laws, double dt,
-                                      const std::vector<TouchingPair>& touching,
-                                      const Spheres& spheres, const ContactPool& pool);
+/// A contact of two spheres as statistics see it.
+struct PairState {
+  std::int32_t i, j;  ///< indices of the spheres
+  ContactState state;
+};
+/// The pairs that touch, in list order, as they are now; nothing changes.
+std::vector<PairState> pair_states(const Box& box, const LawTable& laws, double dt,
+                                   const Spheres& spheres, const NeighborList& pairs,
+                                   const ContactPool& pool);
 
 /// Finds the contacts with walls, adds their forces to the loads and to the loads of the walls, in
 /// list order, and what they store and lose to `energies` unless it is null.

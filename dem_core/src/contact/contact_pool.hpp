@@ -12,16 +12,18 @@ namespace repose::dem {
 
 inline constexpr std::int32_t kNoContact = -1;
 
-struct Contact {
+/// One cache line; the kernels see it as eight numbers.
+struct alignas(64) Contact {
   ContactHistory history;
-  ContactBodies bodies;
   double stored_j = 0.0;  ///< when energies were last asked for
+  double unused = 0.0;
 };
+static_assert(sizeof(Contact) == 64);
 
 /// Slots with a free list; a new contact gets the slot freed last.
 class ContactPool {
  public:
-  std::int32_t begin_contact(const ContactBodies& bodies) {
+  std::int32_t begin_contact() {
     std::int32_t slot;
     if (free_.empty()) {
       slot = static_cast<std::int32_t>(contacts_.size());
@@ -30,7 +32,7 @@ class ContactPool {
       slot = free_.back();
       free_.pop_back();
     }
-    at(slot) = Contact{{}, bodies, 0.0};
+    at(slot) = Contact{};
     return slot;
   }
   void end_contact(std::int32_t slot) {
@@ -41,6 +43,7 @@ class ContactPool {
   double take_released_j() { return std::exchange(released_j_, 0.0); }
   Contact& at(std::int32_t slot) { return contacts_[static_cast<std::size_t>(slot)]; }
   const Contact& at(std::int32_t slot) const { return contacts_[static_cast<std::size_t>(slot)]; }
+  Contact* data() { return contacts_.data(); }
   std::size_t size() const { return contacts_.size() - free_.size(); }
 
   /// An empty pool with room for as many contacts as this one holds.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "repose/dem/contact_law.hpp"
+#include "repose/scene/case.hpp"
 
 namespace repose::dem {
 
@@ -16,6 +17,9 @@ class LawTable {
 
   /// The variant of the law, one for all pairs.
   const scene::ContactModel& model() const { return model_; }
+  std::int32_t materials() const { return count_; }
+  /// materials() by materials().
+  const PairLaw* data() const { return laws_.data(); }
   const PairLaw& at(std::int32_t first, std::int32_t second) const {
     return laws_[static_cast<std::size_t>(first * count_ + second)];
   }

@@ -3,6 +3,7 @@
 
 #include "contact/contact_evaluation.hpp"
 #include "contact/contact_forces.hpp"
+#include "contact/pair_kernel.hpp"
 
 namespace repose::dem {
 namespace {
@@ -11,113 +12,151 @@ std::size_t index(std::int32_t i) {
   return static_cast<std::size_t>(i);
 }
 
+/// So many pairs are tested, then those of them that touch go through the law: what the test has
+/// asked for has come from memory by then and is not gone again.
+constexpr std::size_t kBatch = 128;
+constexpr std::int32_t kPartOfRow = 32;
+constexpr std::int32_t kAhead = 12;  // pairs between asking for a sphere and testing it
+
+static_assert(sizeof(Motion) == 64 && sizeof(Spin) == 32 && sizeof(Load) == 64);
+
+/// What does not change from batch to batch.
+PairBatch batch_of(const Box& box, const LawTable& laws, double dt, Spheres& spheres) {
+  PairBatch batch{};
+  batch.motion = spheres.motion.data()->x.data();
+  batch.spin = spheres.spin.data()->w.data();
+  batch.load = spheres.load.data()->force.data();
+  batch.material = spheres.material.data();
+  batch.laws = laws.data();
+  batch.materials = laws.materials();
+  batch.model = laws.model();
+  batch.dt = dt;
+  batch.periodic = box.periodic_mask() != 0;
+  for (int k = 0; k < 3; ++k) {
+    batch.length[k] = box.length[k];
+    batch.half[k] = box.half[k];
+  }
+  return batch;
+}
+
+/// Takes touching pairs in list order and puts them through the law, a batch at a time.
+class PairForces {
+ public:
+  PairForces(const PairBatch& batch, ContactPool& pool, const Spheres& spheres,
+             DeepestOverlap& deepest, ContactEnergies* energies)
+      : batch_(batch), pool_(pool), spheres_(spheres), deepest_(deepest), energies_(energies) {
+    batch_.pairs = pairs_.data();
+  }
+
+  /// Room for kPartOfRow pairs.
+  TouchingPair* room() {
+    if (batch_.count + kPartOfRow > pairs_.size()) compute();
+    return pairs_.data() + batch_.count;
+  }
+  void taken(std::size_t count) { batch_.count += count; }
+
+  void compute() {
+    batch_.contacts = pool_.size() == 0 ? nullptr : pool_.data()->history.slip.data();
+    DeepestPair deepest{deepest_.ratio(), -1};
+    if (energies_ != nullptr)
+      add_forces_with_energies(batch_, deepest, *energies_);
+    else
+      kernel_.add_forces(batch_, deepest);
+    if (deepest.pair >= 0) {
+      const TouchingPair& pair = pairs_[static_cast<std::size_t>(deepest.pair)];
+      const double radius =
+          std::min(spheres_.motion[index(pair.i)].radius, spheres_.motion[index(pair.j)].radius);
+      deepest_ = {deepest.ratio * radius, radius, pair.i, pair.j, false};
+    }
+    batch_.count = 0;
+  }
+
+ private:
+  const PairKernel& kernel_ = pair_kernel();
+  PairBatch batch_;
+  ContactPool& pool_;
+  const Spheres& spheres_;
+  DeepestOverlap& deepest_;
+  ContactEnergies* energies_;
+  std::array<TouchingPair, kBatch> pairs_;
+};
+
 template <int kMask>
-void find_touching_in(const Box& box, const Spheres& spheres, NeighborList& pairs,
-                      ContactPool& pool, std::vector<TouchingPair>& touching) {
+void add_forces_in(const Box& box, const Spheres& spheres, NeighborList& pairs, ContactPool& pool,
+                   PairForces& forces) {
   const Motion* const motion = spheres.motion.data();
   const std::int32_t* const first = pairs.first.data();
   Neighbor* const entries = pairs.entries.data();
+  const auto end = static_cast<std::int32_t>(pairs.entries.size());
   const auto n = static_cast<std::int32_t>(spheres.size());
-  touching.clear();
   for (std::int32_t i = 0; i < n; ++i) {
     const Motion& a = motion[i];
-    const std::int32_t last = first[i + 1];
-    for (std::int32_t p = first[i]; p < last; ++p) {
-      Neighbor& neighbor = entries[p];
-      const Motion& b = motion[neighbor.other];
-      const Vec3 offset = box.nearest_image_in<kMask>(b.x - a.x);
-      const double reach = a.radius + b.radius;
-      const double distance2 = offset.squaredNorm();
-      if (distance2 < reach * reach) {
-        if (neighbor.contact == kNoContact)
-          neighbor.contact = pool.begin_contact(
-              sphere_sphere(a.radius, 1.0 / a.inv_mass, b.radius, 1.0 / b.inv_mass));
-        touching.push_back({offset, distance2, i, neighbor.other, neighbor.contact});
-      } else if (neighbor.contact != kNoContact) {
-        pool.end_contact(neighbor.contact);
-        neighbor.contact = kNoContact;
+    std::int32_t p = first[i];
+    while (p < first[i + 1]) {
+      const std::int32_t last = std::min(p + kPartOfRow, first[i + 1]);
+      TouchingPair* const room = forces.room();
+      std::size_t count = 0;
+      for (; p < last; ++p) {
+        __builtin_prefetch(motion + entries[std::min(p + kAhead, end - 1)].other);
+        Neighbor& neighbor = entries[p];
+        const Motion& b = motion[neighbor.other];
+        const Vec3 offset = box.nearest_image_in<kMask>(b.x - a.x);
+        const double reach = a.radius + b.radius;
+        const bool touches = offset.squaredNorm() < reach * reach;
+        if (touches != (neighbor.contact != kNoContact)) {
+          if (touches) {
+            neighbor.contact = pool.begin_contact();
+          } else {
+            pool.end_contact(neighbor.contact);
+            neighbor.contact = kNoContact;
+          }
+        }
+        // Written for each pair and kept if it touches: a branch would often be guessed wrong.
+        room[count] = {i, neighbor.other, neighbor.contact};
+        count += touches ? 1 : 0;
+        __builtin_prefetch(&spheres.spin[index(neighbor.other)]);
+        __builtin_prefetch(&spheres.load[index(neighbor.other)], 1);
+        __builtin_prefetch(pool.data() + (touches ? neighbor.contact : 0), 1);
       }
+      forces.taken(count);
     }
   }
-}
-
-/// Pairs are taken in blocks, and a block step by step: the steps of one contact wait for each
-/// other, those of different contacts do not.
-constexpr std::size_t kBlock = 32;
-
-template <class Energies>
-void add_forces(const LawTable& laws, double dt, const std::vector<TouchingPair>& touching,
-                Spheres& spheres, ContactPool& pool, DeepestOverlap& deepest, Energies& energies) {
-  const scene::ContactModel model = laws.model();
-  std::array<ContactKinematics, kBlock> kinematics;
-  std::array<ContactForce, kBlock> forces;
-  for (std::size_t first = 0; first < touching.size(); first += kBlock) {
-    const std::size_t count = std::min(kBlock, touching.size() - first);
-    for (std::size_t k = 0; k < count; ++k) {
-      const TouchingPair& pair = touching[first + k];
-      __builtin_prefetch(&pool.at(pair.contact), 1);
-      const Motion& a = spheres.motion[index(pair.i)];
-      const Motion& b = spheres.motion[index(pair.j)];
-      kinematics[k] = pair_kinematics(model, dt, pair.offset, std::sqrt(pair.distance2), a, b,
-                                      spheres.spin[index(pair.i)].w, spheres.spin[index(pair.j)].w);
-      deepest.see(kinematics[k].overlap, std::min(a.radius, b.radius), pair.i, pair.j, false);
-    }
-    for (std::size_t k = 0; k < count; ++k) {
-      const TouchingPair& pair = touching[first + k];
-      __builtin_prefetch(&spheres.load[index(pair.j)], 1);
-      const PairLaw& law =
-          laws.at(spheres.material[index(pair.i)], spheres.material[index(pair.j)]);
-      forces[k] = contact_force(model, law, kinematics[k], dt, pool.at(pair.contact), energies);
-    }
-    for (std::size_t k = 0; k < count; ++k) {
-      const TouchingPair& pair = touching[first + k];
-      const ContactForce& f = forces[k];
-      const double half = 0.5 * kinematics[k].overlap;
-      const Vec3 turning = cross(kinematics[k].normal, f.tangential);
-      Load& on_a = spheres.load[index(pair.i)];
-      Load& on_b = spheres.load[index(pair.j)];
-      on_a.force += f.force;
-      on_b.force -= f.force;
-      on_a.torque += (spheres.motion[index(pair.i)].radius - half) * turning + f.rolling_torque;
-      on_b.torque += (spheres.motion[index(pair.j)].radius - half) * turning - f.rolling_torque;
-    }
-  }
+  forces.compute();
 }
 
 }  // namespace
 
-void find_touching(const Box& box, const Spheres& spheres, NeighborList& pairs, ContactPool& pool,
-                   std::vector<TouchingPair>& touching) {
-  with_periodic_mask(
-      box, [&]<int kMask>() { find_touching_in<kMask>(box, spheres, pairs, pool, touching); });
-}
-
-void add_pair_forces(const LawTable& laws, double dt, const std::vector<TouchingPair>& touching,
-                     Spheres& spheres, ContactPool& pool, DeepestOverlap& deepest,
+void add_pair_forces(const Box& box, const LawTable& laws, double dt, Spheres& spheres,
+                     NeighborList& pairs, ContactPool& pool, DeepestOverlap& deepest,
                      ContactEnergies* energies) {
-  if (energies != nullptr) {
-    add_forces(laws, dt, touching, spheres, pool, deepest, *energies);
-  } else {
-    NoEnergies none;
-    add_forces(laws, dt, touching, spheres, pool, deepest, none);
-  }
+  if (pairs.entries.empty()) return;
+  PairForces forces(batch_of(box, laws, dt, spheres), pool, spheres, deepest, energies);
+  with_periodic_mask(box,
+                     [&]<int kMask>() { add_forces_in<kMask>(box, spheres, pairs, pool, forces); });
 }
 
-std::vector<ContactState> pair_states(const LawTable& laws, double dt,
-                                      const std::vector<TouchingPair>& touching,
-                                      const Spheres& spheres, const ContactPool& pool) {
-  std::vector<ContactState> states;
-  states.reserve(touching.size());
-  for (const TouchingPair& pair : touching) {
-    const std::size_t i = index(pair.i);
-    const std::size_t j = index(pair.j);
-    const Contact& contact = pool.at(pair.contact);
-    states.push_back(contact_state(
-        laws.model(), laws.at(spheres.material[i], spheres.material[j]), contact.bodies,
-        pair_kinematics(laws.model(), dt, pair.offset, std::sqrt(pair.distance2), spheres.motion[i],
-                        spheres.motion[j], spheres.spin[i].w, spheres.spin[j].w),
-        contact.history));
-  }
+std::vector<PairState> pair_states(const Box& box, const LawTable& laws, double dt,
+                                   const Spheres& spheres, const NeighborList& pairs,
+                                   const ContactPool& pool) {
+  std::vector<PairState> states;
+  states.reserve(pool.size());
+  for (std::int32_t row = 0; row + 1 < static_cast<std::int32_t>(pairs.first.size()); ++row)
+    for (std::int32_t p = pairs.first[index(row)]; p < pairs.first[index(row + 1)]; ++p) {
+      const Neighbor& neighbor = pairs.entries[index(p)];
+      if (neighbor.contact == kNoContact) continue;
+      const std::size_t i = index(row);
+      const std::size_t j = index(neighbor.other);
+      const Motion& a = spheres.motion[i];
+      const Motion& b = spheres.motion[j];
+      const Vec3 offset = box.nearest_image(b.x - a.x);
+      const ContactState state =
+          contact_state(laws.model(), laws.at(spheres.material[i], spheres.material[j]),
+                        sphere_sphere(a.radius, 1.0 / a.inv_mass, b.radius, 1.0 / b.inv_mass),
+                        pair_kinematics(laws.model(), dt, offset, offset.norm(), a, b,
+                                        spheres.spin[i].w, spheres.spin[j].w),
+                        pool.at(neighbor.contact).history);
+      states.push_back({row, neighbor.other, state});
+    }
   return states;
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "repose/dem/detail/law_lanes.hpp"
+
 namespace repose::dem {
 namespace {
 
@@ -76,10 +78,8 @@ double rayleigh_time_s(const scene::Material& material, double radius_m) {
 }
 
 ContactBodies sphere_sphere(double r_i, double m_i, double r_j, double m_j) {
-  const double rolling_i = 1.4 * m_i * r_i * r_i;
-  const double rolling_j = 1.4 * m_j * r_j * r_j;
-  return {r_i * r_j / (r_i + r_j), m_i * m_j / (m_i + m_j),
-          rolling_i * rolling_j / (rolling_i + rolling_j)};
+  const auto bodies = detail::bodies_of_pair(r_i, 1.0 / m_i, r_j, 1.0 / m_j);
+  return {bodies.r_eff, bodies.m_eff, bodies.i_roll};
 }
 
 ContactBodies sphere_wall(double r_i, double m_i) {

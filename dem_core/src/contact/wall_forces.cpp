@@ -18,7 +18,7 @@ std::span<WallContact> contacts_of(std::int32_t sphere, std::vector<WallContact>
 }
 
 /// The contact that `push` goes on with, which is then taken; or a new one.
-Contact continued(const WallPush& push, std::span<WallContact> before, const Motion& sphere) {
+Contact continued(const WallPush& push, std::span<WallContact> before) {
   WallContact* best = nullptr;
   double best_cosine = kSameContact;
   for (WallContact& candidate : before) {
@@ -28,9 +28,22 @@ Contact continued(const WallPush& push, std::span<WallContact> before, const Mot
     best = &candidate;
     best_cosine = cosine;
   }
-  if (best == nullptr) return {{}, sphere_wall(sphere.radius, 1.0 / sphere.inv_mass)};
+  if (best == nullptr) return {};
   best->patch = kTaken;
   return best->contact;
+}
+
+/// The force of a contact, and what it stores and loses.
+ContactForce force_of(const scene::ContactModel& model, const PairLaw& law, const Motion& sphere,
+                      const ContactKinematics& now, double dt, Contact& contact,
+                      ContactEnergies* sum) {
+  const ContactBodies bodies = sphere_wall(sphere.radius, 1.0 / sphere.inv_mass);
+  if (sum == nullptr) return hertz_mindlin(model, law, bodies, now, dt, contact.history);
+  ContactEnergies energies;
+  const ContactForce force = hertz_mindlin(model, law, bodies, now, dt, contact.history, energies);
+  contact.stored_j = energies.stored_j();
+  *sum += energies;
+  return force;
 }
 
 /// What the sphere does to the wall at the point x + arm n; `f` acts on the sphere.
@@ -65,15 +78,12 @@ void add_wall_forces(const LawTable& laws, double dt, const WallList& list, Wall
       const WallBody& wall = walls.at(static_cast<std::size_t>(push.wall));
       deepest.see(push.overlap, sphere.radius, id, push.wall, true);
       contacts.all.push_back(
-          {id, push.patch, push.wall, push.normal, push.overlap, continued(push, before, sphere)});
+          {id, push.patch, push.wall, push.normal, push.overlap, continued(push, before)});
       Contact& contact = contacts.all.back().contact;
       const ContactKinematics now = wall_kinematics(dt, push.normal, push.overlap, sphere,
                                                     spheres.spin[i].w, wall.half_twist);
       const PairLaw& law = laws.at(spheres.material[i], wall.material);
-      NoEnergies none;
-      const ContactForce f = energies != nullptr
-                                 ? contact_force(laws.model(), law, now, dt, contact, *energies)
-                                 : contact_force(laws.model(), law, now, dt, contact, none);
+      const ContactForce f = force_of(laws.model(), law, sphere, now, dt, contact, energies);
       const double arm = sphere.radius - 0.5 * push.overlap;
       load.force += f.force;
       load.torque += arm * cross(now.normal, f.tangential) + f.rolling_torque;
@@ -92,11 +102,12 @@ std::vector<ContactState> wall_states(const LawTable& laws, double dt, const Wal
   for (const WallContact& contact : contacts.all) {
     const auto i = static_cast<std::size_t>(contact.sphere);
     const WallBody& wall = walls.at(static_cast<std::size_t>(contact.wall));
-    states.push_back(contact_state(
-        laws.model(), laws.at(spheres.material[i], wall.material), contact.contact.bodies,
-        wall_kinematics(dt, contact.normal, contact.overlap, spheres.motion[i], spheres.spin[i].w,
-                        wall.half_twist),
-        contact.contact.history));
+    states.push_back(
+        contact_state(laws.model(), laws.at(spheres.material[i], wall.material),
+                      sphere_wall(spheres.motion[i].radius, 1.0 / spheres.motion[i].inv_mass),
+                      wall_kinematics(dt, contact.normal, contact.overlap, spheres.motion[i],
+                                      spheres.spin[i].w, wall.half_twist),
+                      contact.contact.history));
   }
   return states;
 }

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "repose/dem/contact_law.hpp"
+#include "repose/scene/case.hpp"
 
 namespace repose::dem {
 

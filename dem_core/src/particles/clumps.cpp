@@ -115,7 +115,7 @@ DriftResult drift(const Box& box, double dt, Clumps& clumps, Spheres& spheres) {
       const std::size_t s = index(clumps.members[index(m)].sphere);
       const Vec3 moved = box.nearest_image(spheres.motion[s].x - spheres.x_listed[s]);
       result.moved2 = std::max(result.moved2, moved.squaredNorm());
-      spheres.load[s] = {Vec3::Zero(), Vec3::Zero()};
+      spheres.load[s] = {};
     }
   }
   return result;

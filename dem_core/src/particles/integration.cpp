@@ -38,7 +38,7 @@ DriftResult drift(const Box& box, double dt, Spheres& spheres) {
         result.out < 0)
       result.out = static_cast<std::ptrdiff_t>(i);
     result.moved2 = std::max(result.moved2, (sphere.x - spheres.x_listed[i]).squaredNorm());
-    spheres.load[i] = {Vec3::Zero(), Vec3::Zero()};
+    spheres.load[i] = {};
   }
   return result;
 }

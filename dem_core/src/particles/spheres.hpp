@@ -17,15 +17,17 @@ struct alignas(64) Motion {
   double inv_mass;  ///< of the whole body
 };
 
-struct Spin {
+struct alignas(32) Spin {
   Vec3 w;  ///< rad/s, at the times of Motion::v
   double inv_inertia;
 };
 
 /// Sum of contact forces and torques at t; gravity is not in it.
-struct Load {
-  Vec3 force;
-  Vec3 torque;
+struct alignas(64) Load {
+  Vec3 force = Vec3::Zero();
+  double unused_a = 0.0;  ///< so that rows of four are aligned
+  Vec3 torque = Vec3::Zero();
+  double unused_b = 0.0;
 };
 
 /// A sphere to be added.
@@ -55,7 +57,7 @@ struct Spheres {
   void add(const NewSphere& sphere) {
     motion.push_back(sphere.motion);
     spin.push_back(sphere.spin);
-    load.push_back({Vec3::Zero(), Vec3::Zero()});
+    load.push_back({});
     x_listed.push_back(sphere.motion.x);
     material.push_back(sphere.material);
     id.push_back(sphere.id);

@@ -2,16 +2,13 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <type_traits>
 
+#include "repose/dem/contact_energies.hpp"
+#include "repose/dem/cross.hpp"
 #include "repose/dem/pair_law.hpp"
 
 namespace repose::dem {
-
-using Vec3 = Eigen::Vector3d;
 
 /// What a contact remembers from step to step; both are tangential, of i relative to j.
 struct ContactHistory {
@@ -40,32 +37,6 @@ struct ContactForce {
   double normal;        ///< F_n without cohesion, positive where it pushes
 };
 
-/// What a contact stores and what it takes from the motion. Kinetic + potential + stored energy
-/// plus the time integral of lost_w() is constant to the order of the time step, if what a contact
-/// stored last is counted as lost when it ends. That is not always little: as k_r goes to zero with
-/// the overlap, the spring of type C keeps a torque, hence energy, in a kept tail.
-struct ContactEnergies {
-  double normal_j = 0.0;      ///< (8/15) E* sqrt(R*) d^2.5, and minus the work of cohesion
-  double tangential_j = 0.0;  ///< S_t xi^2 / 2
-  double rolling_j = 0.0;     ///< M^2 / (2 k_r)
-  double normal_damping_w = 0.0;
-  double tangential_damping_w = 0.0;
-  double sliding_w = 0.0;
-  double rolling_w = 0.0;  ///< damping and yielding of the rolling spring, or the torque of type A
-  /// Given or taken, of either sign, because S_t and k_r change with the overlap while xi and M
-  /// stay: the price of these histories. The springs' errors of first order in dt are in it.
-  double stiffness_change_w = 0.0;
-
-  double stored_j() const { return normal_j + tangential_j + rolling_j; }
-  double lost_w() const {
-    return normal_damping_w + tangential_damping_w + sliding_w + rolling_w + stiffness_change_w;
-  }
-  ContactEnergies& operator+=(const ContactEnergies& other);
-};
-
-/// Stands for ContactEnergies where nobody asks.
-struct NoEnergies {};
-
 /// A contact as statistics see it.
 struct ContactState {
   double overlap_m = 0.0;
@@ -83,7 +54,8 @@ struct ContactState {
 ///         then projects onto the plane
 ///   F_t = -S_t xi - 2 sqrt(5/6) beta sqrt(S_t m*) v_t     while S_t |xi| <= mu |F_n|, else
 ///   F_t = -mu |F_n| xi/|xi|, and xi is shortened to |F_t|/S_t; Tail::clip caps the first at mu F_n
-/// Rolling: rolling_spring() or rolling_resistance(). Cohesion, not in the limits: cohesion_area().
+/// Rolling: detail::rolling_spring() or rolling_resistance(). Cohesion, not in the limits:
+/// cohesion_area().
 /// With dt = 0 history only turns. `energies` may be a ContactEnergies, which is overwritten.
 template <class Energies = NoEnergies>
 ContactForce hertz_mindlin(const scene::ContactModel& model, const PairLaw& law,

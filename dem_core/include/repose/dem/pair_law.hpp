@@ -1,12 +1,12 @@
 // What a contact needs to know of its materials and bodies, computed once.
 #pragma once
 
-#include "repose/scene/case.hpp"
+#include "repose/scene/contact_model.hpp"
 
 namespace repose::dem {
 
 /// What the law needs of a pair of materials under one contact model. Units SI.
-struct PairLaw {
+struct alignas(32) PairLaw {
   double e_eff = 0.0;      ///< 1/E* = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j
   double g_eff = 0.0;      ///< 1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j
   double beta = 0.0;       ///< damping ratio: damping_ratio(e), or clipped_damping_ratio(e)

@@ -1,0 +1,74 @@
+// How fast the engine advances a case: repose_dem_rate CASE.toml STEPS [--time-step S] [--warm STEPS] ...
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "repose/dem/simulation.hpp"
+#include "repose/scene/case.hpp"
+
+namespace {
+
+/// What the process has in memory now, bytes.
+double resident_bytes() {
+  std::ifstream statm("/proc/self/statm");
+  double total = 0.0, resident = 0.0;
+  statm >> total >> resident;
+  return resident * 4096.0;
+}
+
+double seconds_of(repose::dem::Simulation& simulation, std::int64_t steps) {
+  const auto begin = std::chrono::steady_clock::now();
+  simulation.step(steps);
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+struct Request {
+  std::filesystem::path file;
+  std::int64_t steps = 1000;
+  std::int64_t warm = 100;
+  double time_step_s = 0.0;
+  std::string opens{};
+  double until_s = 0.0;
+};
+
+void measure(const Request& request) {
+  const repose::scene::Case scene = repose::scene::read_case(request.file);
+  const double before = resident_bytes();
+  repose::dem::Simulation simulation(scene, {.time_step_s = request.time_step_s});
+  if (!request.opens.empty()) simulation.open(request.opens);
+  while (simulation.time_s() < request.until_s) simulation.step(100);
+  simulation.step(request.warm);
+  const std::int64_t rebuilds = simulation.rebuilds();
+  const double seconds = seconds_of(simulation, request.steps);
+  const auto spheres = static_cast<double>(simulation.size());
+  std::printf(
+      "repose ranks=1 loop_s=%.4f sphere_steps_per_s=%.4g spheres=%zu contacts=%zu rebuilds=%lld "
+      "bytes_per_sphere=%.0f kinetic_energy_j=%.6g\n",
+      seconds, spheres * static_cast<double>(request.steps) / seconds, simulation.size(),
+      simulation.contacts(), static_cast<long long>(simulation.rebuilds() - rebuilds),
+      (resident_bytes() - before) / spheres, simulation.kinetic_energy_j());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Request request;
+  CLI::App app("Times the engine's steps on a case.");
+  app.add_option("case", request.file, "case file")->required();
+  app.add_option("steps", request.steps, "steps to time");
+  app.add_option("--warm", request.warm, "steps before the clock starts");
+  app.add_option("--time-step", request.time_step_s, "s; else as the case says");
+  app.add_option("--open", request.opens, "wall to take away before the first step");
+  app.add_option("--until", request.until_s, "s to simulate before the warm steps");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    measure(request);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,66 @@
+// The inner loop over touching pairs, for one processor or another: raw memory, no Eigen.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "repose/dem/contact_energies.hpp"
+#include "repose/dem/pair_law.hpp"
+
+namespace repose::dem {
+
+/// A pair that touches at this step: indices of the spheres, slot of the contact.
+struct TouchingPair {
+  std::int32_t i, j, contact;
+};
+
+/// What a kernel works on. Rows of doubles, each row aligned to 32 bytes:
+///   motion    8 a sphere: x, R, v, 1/m
+///   spin      4 a sphere: w, 1/I
+///   load      8 a sphere: force, 0, torque, 0; added to
+///   contacts  8 a slot: slip, rolling torque, stored energy, 0; changed
+struct PairBatch {
+  const double* motion;
+  const double* spin;
+  double* load;
+  const std::int32_t* material;  ///< a sphere
+  double* contacts;
+  const PairLaw* laws;  ///< materials by materials
+  std::int32_t materials;
+  scene::ContactModel model;
+  double dt;
+  bool periodic;
+  double length[3];  ///< of the period; 0 where there is none
+  double half[3];    ///< of the period; infinite where there is none
+  const TouchingPair* pairs;
+  std::size_t count;
+};
+
+/// The deepest of a batch; `pair` is an index into it, -1 if none is deeper than `ratio` was.
+struct DeepestPair {
+  double ratio;  ///< overlap over the smaller radius
+  std::ptrdiff_t pair;
+};
+
+/// A kernel adds the forces of the pairs to the loads, in their order. All kernels give the same
+/// bits: each lane does the operations of one contact, IEEE's and in one order.
+struct PairKernel {
+  const char* name;
+  void (*add_forces)(const PairBatch& batch, DeepestPair& deepest);
+};
+
+/// One contact at a time: the slow twin of the others.
+const PairKernel& pair_kernel_scalar();
+/// Two at a time, for any x86-64.
+const PairKernel& pair_kernel_baseline();
+/// Four at a time, null if it was not built; needs a processor with AVX2.
+const PairKernel* pair_kernel_v3();
+/// The same, null also if this processor cannot run it.
+const PairKernel* usable_pair_kernel_v3();
+/// The widest for this processor.
+const PairKernel& pair_kernel();
+
+/// One at a time, with what the contacts store and lose added to `sum`; same forces.
+void add_forces_with_energies(const PairBatch& batch, DeepestPair& deepest, ContactEnergies& sum);
+
+}  // namespace repose::dem
