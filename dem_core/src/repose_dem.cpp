@@ -18,9 +18,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-volatile std::sig_atomic_t signal_seen = 0;
-void note_signal(int number) {
-  signal_seen = number;
+volatile std::sig_atomic_t stop_signal = 0;
+volatile std::sig_atomic_t checkpoint_asked = 0;
+void note_stop(int number) {
+  stop_signal = number;
+}
+void note_checkpoint(int) {
+  checkpoint_asked = 1;
+}
+
+repose::dem::Request request() {
+  if (stop_signal != 0) return repose::dem::Request::stop;
+  if (checkpoint_asked == 0) return repose::dem::Request::none;
+  checkpoint_asked = 0;
+  return repose::dem::Request::write_checkpoint;
 }
 
 std::string footer() {
@@ -30,14 +41,21 @@ std::string footer() {
          "Keys of the case file (TOML, SI): key, unit, (default), meaning\n" +
          repose::scene::case_keys_text() +
          "\n"
-         "Exit codes: 0 done, 1 internal error, 2 usage, 3 bad input, 5 simulation failure or\n"
-         "interrupted, 6 file or storage.";
+         "A run that was stopped, by Ctrl-C, SIGTERM or a crash, goes on by the same command from\n"
+         "its last checkpoint, and ends with the same bits as if it had not been stopped. Ctrl-C "
+         "and\n"
+         "SIGTERM write a checkpoint first; SIGUSR1 writes one and goes on.\n"
+         "\n"
+         "Exit codes: 0 done, 1 internal error, 2 usage, 3 bad input, 5 simulation failure, 6 "
+         "file\n"
+         "or storage, 130 stopped by Ctrl-C and 143 by SIGTERM, both after a checkpoint.";
 }
 
 struct Options {
   std::string case_file;
   std::string output;
   std::optional<std::uint64_t> seed;
+  bool from_start = false;
   bool quiet = false;
   bool json = false;
 };
@@ -48,11 +66,11 @@ bool is_file_name(const fs::path& output) {
 
 /// Runs in a folder, or beside a file that the result is then moved onto.
 repose::scene::RunSummary run_into(const repose::scene::Case& scene, const fs::path& output,
-                                   const repose::ProgressCallback& progress) {
-  if (!is_file_name(output)) return repose::dem::run_case(scene, output, progress);
+                                   const repose::dem::RunControl& control) {
+  if (!is_file_name(output)) return repose::dem::run_case(scene, output, control);
   fs::path parts = output;
   parts += ".parts";
-  const repose::scene::RunSummary summary = repose::dem::run_case(scene, parts, progress);
+  const repose::scene::RunSummary summary = repose::dem::run_case(scene, parts, control);
   repose::commit_file(parts / "run.h5", output);
   std::error_code ignored;  // the result is in place; a folder left behind does no harm
   fs::remove_all(parts, ignored);
@@ -70,6 +88,7 @@ void print_json(const repose::scene::RunSummary& s, const std::string& output) {
   json["steps"] = s.steps;
   json["wall_time_s"] = s.wall_time_s;
   json["largest_overlap_ratio"] = s.largest_overlap_ratio;
+  json["state_hash"] = s.state_hash;
   json["seed"] = s.seed;
   json["stages"] = nlohmann::ordered_json::array();
   for (const repose::scene::StageEnd& stage : s.stages)
@@ -81,9 +100,9 @@ void print_json(const repose::scene::RunSummary& s, const std::string& output) {
 void print_text(const repose::scene::RunSummary& s, const std::string& output) {
   fmt::print(
       "{} bodies ({} spheres), {:.6g} kg, {} steps of {:.4g} s in {:.3g} s; largest overlap "
-      "{:.3g}\n",
+      "{:.3g}; state {}\n",
       s.bodies.alive, s.spheres, s.bodies.alive_kg, s.steps, s.time_step_s, s.wall_time_s,
-      s.largest_overlap_ratio);
+      s.largest_overlap_ratio, s.state_hash);
   if (s.bodies.removed > 0)
     fmt::print("{} bodies, {:.6g} kg were removed\n", s.bodies.removed, s.bodies.removed_kg);
   for (const repose::scene::StageEnd& stage : s.stages)
@@ -96,15 +115,10 @@ void run(const Options& options) {
   if (options.seed) scene.seed = *options.seed;
   repose::ProgressDisplay display("repose-dem", options.quiet ? repose::ProgressStyle::quiet
                                                               : repose::ProgressStyle::automatic);
-  const auto progress = [&](double done, double total, std::string_view note) {
-    if (signal_seen != 0)
-      throw repose::SimulationError(
-          fmt::format("interrupted by signal {} at {:.4g} of {:.4g} s; no run.h5 was written, "
-                      "start the same command again",
-                      static_cast<int>(signal_seen), done, total));
-    display.update(done, total, note);
-  };
-  const repose::scene::RunSummary summary = run_into(scene, options.output, progress);
+  const auto start =
+      options.from_start ? repose::dem::Start::anew : repose::dem::Start::where_stopped;
+  const repose::scene::RunSummary summary = run_into(
+      scene, options.output, {.progress = display.callback(), .request = request, .start = start});
   display.finish();
   if (options.json)
     print_json(summary, options.output);
@@ -124,6 +138,8 @@ int main(int argc, char** argv) {
   app.add_option("-o,--output", options.output, "Folder of the run, or RUN.h5 for one file")
       ->required();
   app.add_option("--seed", options.seed, "Replaces run.seed of the case");
+  app.add_flag("--from-start", options.from_start,
+               "Begin anew where the folder holds a checkpoint");
   app.add_flag("--quiet", options.quiet, "No progress");
   app.add_flag("--json", options.json, "Summary as JSON on stdout");
   app.set_version_flag("--version", repose::version());
@@ -132,14 +148,18 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : static_cast<int>(repose::ErrorKind::usage);
   }
-  std::signal(SIGINT, note_signal);
-  std::signal(SIGTERM, note_signal);
+  std::signal(SIGINT, note_stop);
+  std::signal(SIGTERM, note_stop);
+  std::signal(SIGUSR1, note_checkpoint);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error like a full disk
   try {
     run(options);
     return 0;
+  } catch (const repose::dem::RunStopped& stopped) {
+    fmt::print(stderr, "repose-dem: {}\n", stopped.what());
+    return 128 + static_cast<int>(stop_signal);  // as a shell reports it
   } catch (const repose::Error& error) {
     fmt::print(stderr, "repose-dem: {}\n", error.what());
-    if (signal_seen != 0) return 128 + static_cast<int>(signal_seen);  // as a shell reports it
     return error.exit_code();
   } catch (const std::exception& error) {
     fmt::print(stderr, "repose-dem: internal error: {}\n", error.what());

@@ -14,6 +14,13 @@ Simulation::Simulation(const scene::Case& scene, const SimulationOptions& option
   state_->place_all();
 }
 
+Simulation::Simulation(const scene::Case& scene, const Checkpoint& checkpoint) {
+  require_same_case(checkpoint, scene);
+  state_ = std::make_unique<State>(scene, SimulationOptions{checkpoint.number("time_step_option_s"),
+                                                            checkpoint.number("skin_radii")});
+  state_->restore(checkpoint);
+}
+
 Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
 Simulation& Simulation::operator=(Simulation&&) noexcept = default;
@@ -158,9 +165,19 @@ std::size_t Simulation::contacts() {
   return state_->pool.size() + state_->wall_contacts.all.size();
 }
 
-double Simulation::take_largest_overlap_ratio() {
+LargestOverlap Simulation::take_largest_overlap() {
   state_->prepare();
-  return std::exchange(state_->deepest, DeepestOverlap{}).ratio();
+  return std::exchange(state_->largest_overlap, LargestOverlap{});
+}
+
+Checkpoint Simulation::checkpoint() {
+  state_->prepare();
+  return state_->checkpoint();
+}
+
+std::uint64_t Simulation::state_hash() {
+  state_->prepare();
+  return state_->hash();
 }
 
 std::vector<std::pair<std::int32_t, std::int32_t>> Simulation::listed_pairs() {

@@ -72,6 +72,11 @@ void Simulation::State::place_all() {
   if (scene.fill)
     for (const scene::Particle& particle : place_fill(scene, box, clear_of_walls(), forms, present))
       check_and_add(particle);
+  prepare_insertion();
+}
+
+/// Rain that is to come, regions that remove.
+void Simulation::State::prepare_insertion() {
   for (std::size_t r = 0; r < scene.rains.size(); ++r) rains.emplace_back(scene, r, forms);
   for (const scene::Region& region : scene.regions)
     if (region.removes) sinks.push_back(region);
@@ -96,9 +101,6 @@ void Simulation::State::prepare() {
   rebuild_lists();
   dt = step;
   compute_forces(0.0);
-  if (deepest.ratio() > kLargestOverlapRatio)
-    throw InputError("at the start " + overlap_text(deepest) +
-                     "; move them apart, or the particle is larger than its container");
   kick_all(-0.5 * dt);
   walls.clear_loads();  // the forces at the start belong to no step
   wall_load_steps = 0;

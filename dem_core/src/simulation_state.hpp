@@ -34,7 +34,7 @@ struct Simulation::State {
   std::map<std::string, double> stage_start_s;
   NeighborLists lists;
   ContactPool pool;
-  DeepestOverlap deepest;  // since it was last taken
+  LargestOverlap largest_overlap;  // since it was last taken
   WallContacts wall_contacts;
   std::int64_t wall_load_steps = 0;  // summed in the loads of walls
   scene::Ledger ledger;
@@ -48,12 +48,14 @@ struct Simulation::State {
   double dt = 0.0;  // 0 until prepared
   double skin = 0.0;
   std::int64_t steps = 0;
+  std::int64_t listed_step = 0;  // when the lists were built
   std::int64_t rebuilds = 0;
 
   double time_s() const { return static_cast<double>(steps) * dt; }
   std::int32_t check_and_add(const scene::Particle& particle);
   std::int32_t add(const scene::Particle& particle);
   void place_all();
+  void prepare_insertion();
   void prepare();
   void require_pairs() const;
   double smallest_rayleigh_time_s() const;
@@ -73,6 +75,13 @@ struct Simulation::State {
   void remove_what_is_in_sinks();
   std::vector<std::int32_t> bodies_in_sinks() const;
   ClearOfWalls clear_of_walls() const;
+  Checkpoint checkpoint() const;
+  void restore(const Checkpoint& saved);
+  void restore_bodies_and_lists(const Checkpoint& saved);
+  void restore_walls(const Checkpoint& saved);
+  void restore_sums(const Checkpoint& saved);
+  std::uint64_t hash() const;
+  void note_overlap(const DeepestOverlap& now);
   std::string overlap_text(const DeepestOverlap& now) const;
   [[noreturn]] void lost(std::size_t i) const;
   std::string name_of(std::size_t i) const;

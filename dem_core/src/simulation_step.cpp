@@ -24,6 +24,7 @@ std::string place_text(const Vec3& x) {
 void Simulation::State::rebuild_lists() {
   rebuild(box, skin, walls, spheres, clumps, lists, pool, wall_contacts);
   walls.mark_listed();
+  listed_step = steps;
   ++rebuilds;
 }
 
@@ -36,11 +37,22 @@ void Simulation::State::compute_forces(double history_dt) {
   if (scene.output.energy) count_dissipation(sum, history_dt);
   ++wall_load_steps;
   gather_loads(spheres, clumps);
-  deepest.see(now.overlap, now.radius, now.sphere, now.other, now.is_wall);
-  if (steps > 0 && now.ratio() > kLargestOverlapRatio)
-    throw SimulationError(overlap_text(now) + ", " +
-                          speed_and_time(static_cast<std::size_t>(now.sphere)) +
-                          "; raise youngs_modulus_pa or lower the time step");
+  note_overlap(now);
+}
+
+void Simulation::State::note_overlap(const DeepestOverlap& now) {
+  if (now.ratio() > largest_overlap.ratio()) {
+    const auto other = static_cast<std::size_t>(now.other);
+    largest_overlap = {now.overlap, now.radius, spheres.id[static_cast<std::size_t>(now.sphere)],
+                       now.is_wall ? now.other : spheres.id[other], now.is_wall};
+  }
+  if (now.ratio() <= kLargestOverlapRatio) return;
+  if (steps == 0)
+    throw InputError("at the start " + overlap_text(now) +
+                     "; move them apart, or the particle is larger than its container");
+  throw SimulationError(overlap_text(now) + ", " +
+                        speed_and_time(static_cast<std::size_t>(now.sphere)) +
+                        "; raise youngs_modulus_pa or lower the time step");
 }
 
 void Simulation::State::kick_all(double span) {

@@ -40,7 +40,7 @@ void remove_unfinished(const fs::path& folder) {
   std::error_code none;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, none)) {
     const std::string name = entry.path().filename().string();
-    if (name.starts_with('.') && name.ends_with(".tmp")) remove_part(entry.path());
+    if (name.starts_with('.') && name.find(".tmp") != std::string::npos) remove_part(entry.path());
   }
 }
 

@@ -24,7 +24,7 @@ HertzImpact measured_impact(Simulation& sim, double radius, double mass) {
     if (touched && !touches) break;
     touched = touches;
   }
-  seen.largest_overlap = sim.take_largest_overlap_ratio() * radius;
+  seen.largest_overlap = sim.take_largest_overlap().ratio() * radius;
   seen.duration = static_cast<double>(touching) * dt;
   return seen;
 }

@@ -99,12 +99,12 @@ TEST(RunCase, EndsItsStagesByTheirCriteria) {
   const Scratch scratch;
   const scene::Case c = trap_door();
   double last = 0.0;
-  const scene::RunSummary summary =
-      run_case(c, scratch.path / "run", [&](double done, double total, std::string_view) {
+  const scene::RunSummary summary = run_case(
+      c, scratch.path / "run", {.progress = [&](double done, double total, std::string_view) {
         EXPECT_GE(done, last);
         EXPECT_LE(done, total * (1 + 1e-3));
         last = done;
-      });
+      }});
   ASSERT_EQ(summary.stages.size(), 2u);
   EXPECT_EQ(summary.stages[0].reason, "at rest");
   EXPECT_EQ(summary.stages[1].reason, "flow ended");
@@ -146,12 +146,12 @@ TEST(RunCase, AnEndlessDurationLeavesTheEndToTheCriterion) {
   c.stages[1].duration_s = 0.01;
   c.stages[1].flow_ends.reset();
   double largest_before = 0.0, done_last = 0.0, total_last = 0.0;
-  const scene::RunSummary summary =
-      run_case(c, scratch.path / "run", [&](double done, double total, std::string_view stage) {
+  const scene::RunSummary summary = run_case(
+      c, scratch.path / "run", {.progress = [&](double done, double total, std::string_view stage) {
         if (stage == "settle") largest_before = std::max(largest_before, done / total);
         done_last = done;
         total_last = total;
-      });
+      }});
   ASSERT_EQ(summary.stages.size(), 2u);
   EXPECT_EQ(summary.stages[0].reason, "at rest");
   EXPECT_GT(summary.stages[0].time_s, 0.05);

@@ -57,7 +57,7 @@ void normal_impacts(std::vector<Check>& checks) {
     }
     const std::string name = std::string(wall ? "2, " : "1, ") + row.name + ": ";
     checks.push_back({name + "largest force", force, row.force, 1e-4 * row.force, "N"});
-    checks.push_back({name + "deepest overlap", sim.take_largest_overlap_ratio() * radius * 1e6,
+    checks.push_back({name + "deepest overlap", sim.take_largest_overlap().ratio() * radius * 1e6,
                       row.overlap_um, 1e-4 * row.overlap_um, "µm"});
     checks.push_back({name + "duration", static_cast<double>(touching) * sim.time_step_s() * 1e6,
                       row.duration_us, 1.5e-3 * row.duration_us, "µs"});

@@ -45,6 +45,16 @@ double RainSource::smallest_radius() const {
   return smallest;
 }
 
+void RainSource::go_on_from(const Progress& progress) {
+  if (progress.placed < 0 || progress.placed > static_cast<std::int64_t>(grains_.size()))
+    throw StorageError("a checkpoint has " + std::to_string(progress.placed) + " of " +
+                       std::to_string(grains_.size()) + " particles of rain \"" + rain_.name +
+                       "\"; begin the run anew");
+  next_ = static_cast<std::size_t>(progress.placed);
+  attempts_ = static_cast<std::uint64_t>(progress.attempts);
+  placed_kg_ = progress.placed_kg;
+}
+
 bool RainSource::is_due(double time_s) const {
   return !is_finished() && placed_kg_ + 0.5 * grains_[next_].mass <= rain_.mass_rate_kg_s * time_s;
 }

@@ -29,6 +29,17 @@ class RainSource {
   double largest_radius() const { return largest_radius_; }
   bool is_finished() const { return next_ == grains_.size(); }
   double placed_kg() const { return placed_kg_; }
+  /// What has come, and how often it was tried: all that changes.
+  struct Progress {
+    std::int64_t placed = 0;
+    std::int64_t attempts = 0;
+    double placed_kg = 0.0;
+  };
+  Progress progress() const {
+    return {static_cast<std::int64_t>(next_), static_cast<std::int64_t>(attempts_), placed_kg_};
+  }
+  /// Throws StorageError if more than all has come.
+  void go_on_from(const Progress& progress);
   /// Whether a particle is due `time_s` after the rain began.
   bool is_due(double time_s) const;
 

@@ -6,9 +6,10 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <optional>
 
 #include "output/records.hpp"
-#include "output/stage_end.hpp"
+#include "output/run_state.hpp"
 #include "repose/base/error.hpp"
 #include "repose/base/text.hpp"
 #include "repose/dem/simulation.hpp"
@@ -27,16 +28,54 @@ std::int64_t steps_of(double duration_s, double dt) {
   return std::llround(std::clamp(duration_s / dt, 1.0, kEndlessSteps));
 }
 
+/// Wall and processor time, added up over the parts of a run that was stopped and went on.
+class Stopwatch {
+ public:
+  void go_on_from(double wall_s, double processor_s) {
+    wall_before_s_ = wall_s;
+    processor_before_s_ = processor_s;
+  }
+  double wall_s() const {
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin_;
+    return wall_before_s_ + elapsed.count();
+  }
+  double processor_s() const {
+    return processor_before_s_ +
+           static_cast<double>(std::clock() - processor_begin_) / CLOCKS_PER_SEC;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  std::clock_t processor_begin_ = std::clock();
+  double wall_before_s_ = 0.0, processor_before_s_ = 0.0;
+};
+
+/// The checkpoint from which a run is to go on, if there is one.
+std::optional<Checkpoint> checkpoint_of(const scene::Case& scene,
+                                        const std::filesystem::path& run_dir, Start start) {
+  const std::filesystem::path file = scene::checkpoint_file(run_dir);
+  if (start == Start::anew || !std::filesystem::exists(file)) return std::nullopt;
+  Checkpoint checkpoint = read_checkpoint(file);
+  try {
+    require_same_case(checkpoint, scene);
+  } catch (const InputError& error) {
+    throw InputError(file.string() + ": " + error.what());
+  }
+  return checkpoint;
+}
+
 /// A run under way.
 class Runner {
  public:
-  Runner(const scene::Case& scene, const std::filesystem::path& run_dir,
-         const ProgressCallback& progress)
-      : scene_(scene), progress_(progress), writer_(run_dir, scene) {}
+  Runner(const scene::Case& scene, const std::filesystem::path& run_dir, const RunControl& control)
+      : Runner(scene, run_dir, control, checkpoint_of(scene, run_dir, control.start)) {}
 
   scene::RunSummary run() {
     try {
       run_all_stages();
+    } catch (const RunStopped& stopped) {
+      writer_.log(stopped.what());
+      throw;
     } catch (const std::exception& error) {
       writer_.log(std::string("failed: ") + error.what());
       throw;
@@ -45,100 +84,154 @@ class Runner {
   }
 
  private:
+  Runner(const scene::Case& scene, const std::filesystem::path& run_dir, const RunControl& control,
+         const std::optional<Checkpoint>& saved)
+      : scene_(scene),
+        control_(control),
+        checkpoint_file_(scene::checkpoint_file(run_dir)),
+        now_(saved ? run_state_of(*saved) : RunState{}),
+        sim_(saved ? Simulation(scene, *saved) : Simulation(scene)),
+        goes_on_(saved.has_value()),
+        writer_(saved ? scene::RunWriter(run_dir, scene, now_.output)
+                      : scene::RunWriter(run_dir, scene)) {
+    watch_.go_on_from(now_.wall_time_s, now_.processor_time_s);
+  }
+
   void run_all_stages() {
-    const auto begin = std::chrono::steady_clock::now();
-    const std::clock_t cpu_begin = std::clock();
-    Simulation sim(scene_);
-    prepare(sim);
-    for (std::size_t s = 0; s < scene_.stages.size(); ++s) {
-      latest_end_s_ = sim.time_s() + longest_time_from(s);
-      run_stage(sim, scene_.stages[s]);
-    }
-    require_all_rain(sim);
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
-    summarize(sim, elapsed.count());
-    const double cpu_s = static_cast<double>(std::clock() - cpu_begin) / CLOCKS_PER_SEC;
+    prepare();
+    for (std::size_t s = now_.stage; s < scene_.stages.size(); ++s) run_stage(s);
+    require_all_rain();
+    summarize();
+    const double cpu_s = watch_.processor_s();
     writer_.log(fmt::format(
         "finished: {} steps, {} builds of neighbor lists, {:.3g} s; processor time {:.3g} s, "
-        "{:.3g} sphere-steps/s of it; {} bodies inserted, {} removed, {} alive",
-        sim.steps(), sim.rebuilds(), elapsed.count(), cpu_s, sphere_steps_ / std::max(cpu_s, 1e-9),
-        summary_.bodies.inserted, summary_.bodies.removed, summary_.bodies.alive));
+        "{:.3g} sphere-steps/s of it; {} bodies inserted, {} removed, {} alive; state {}",
+        sim_.steps(), sim_.rebuilds(), summary_.wall_time_s, cpu_s,
+        now_.sphere_steps / std::max(cpu_s, 1e-9), summary_.bodies.inserted,
+        summary_.bodies.removed, summary_.bodies.alive, summary_.state_hash));
     writer_.finish(summary_);
   }
 
-  void prepare(Simulation& sim) {
-    dt_ = sim.time_step_s();
+  void prepare() {
+    dt_ = sim_.time_step_s();
     series_every_ = steps_of(scene_.output.series_interval_s, dt_);
     if (scene_.output.snapshot_interval_s > 0.0)
       snapshot_every_ = steps_of(scene_.output.snapshot_interval_s, dt_);
-    for (const std::string& line : head_of_log(scene_, sim)) writer_.log(line);
-    add_rows(sim);
+    if (goes_on_) {
+      writer_.log(fmt::format("repose-dem {}: goes on from the checkpoint at {:.6g} s, step {}",
+                              version(), sim_.time_s(), sim_.steps()));
+      return;
+    }
+    for (const std::string& line : head_of_log(scene_, sim_)) writer_.log(line);
+    add_rows();
   }
 
-  void require_all_rain(const Simulation& sim) const {
-    const double missing_kg = sim.outstanding_rain_kg();
+  void require_all_rain() const {
+    const double missing_kg = sim_.outstanding_rain_kg();
     if (missing_kg > 0.0)
       throw SimulationError(fmt::format(
           "{:.6g} kg of rain had not fallen when the last stage ended at {:.6g} s; {:.6g} kg are "
           "in; let stages last longer (minimum_s, duration_s) or rain faster",
-          missing_kg, sim.time_s(), sim.ledger().inserted_kg));
+          missing_kg, sim_.time_s(), sim_.ledger().inserted_kg));
   }
 
-  void summarize(const Simulation& sim, double wall_time_s) {
-    summary_.steps = sim.steps();
+  void summarize() {
+    summary_.steps = sim_.steps();
     summary_.time_step_s = dt_;
-    summary_.spheres = static_cast<std::int64_t>(sim.size());
-    summary_.bodies = sim.ledger();
-    summary_.wall_time_s = wall_time_s;
+    summary_.spheres = static_cast<std::int64_t>(sim_.size());
+    summary_.bodies = sim_.ledger();
+    summary_.wall_time_s = watch_.wall_s();
+    summary_.largest_overlap_ratio = now_.largest_overlap_ratio;
+    summary_.state_hash = fmt::format("{:016x}", sim_.state_hash());
     summary_.engine = "repose-dem";
     summary_.version = version();
     summary_.seed = scene_.seed;
+    summary_.stages = now_.ends;
   }
 
-  void run_stage(Simulation& sim, const scene::Stage& stage) {
-    sim.begin_stage(stage.name);
-    const std::int64_t last_step = sim.steps() + steps_of(stage.duration_s, dt_);
-    StageWatch watch(scene_, stage, sim.time_s());
-    watch.ends_with(last_row_, rest_scale_j(sim, stage));
+  /// Begins a stage, or goes on with the one in which the checkpoint was written.
+  StageWatch begin(std::size_t number) {
+    const scene::Stage& stage = scene_.stages[number];
+    if (goes_on_ && number == now_.stage) return {scene_, stage, now_.watch};
+    now_.stage = number;
+    now_.latest_end_s = sim_.time_s() + longest_time_from(number);
+    sim_.begin_stage(stage.name);
+    now_.last_step = sim_.steps() + steps_of(stage.duration_s, dt_);
+    StageWatch watch(scene_, stage, sim_.time_s());
+    watch.ends_with(now_.last_row, rest_scale_j(stage));
+    return watch;
+  }
+
+  void run_stage(std::size_t number) {
+    StageWatch watch = begin(number);
+    const scene::Stage& stage = scene_.stages[number];
     std::string reason;
     while (reason.empty()) {
-      advance(sim, last_step, stage.name);
-      const bool is_last = sim.steps() == last_step;
-      if (sim.steps() % series_every_ == 0 || is_last) {
-        add_rows(sim);
-        reason = watch.ends_with(last_row_, rest_scale_j(sim, stage));
+      now_.watch = watch.progress();
+      advance(stage.name);
+      const bool is_last = sim_.steps() == now_.last_step;
+      if (sim_.steps() % series_every_ == 0 || is_last) {
+        add_rows();
+        reason = watch.ends_with(now_.last_row, rest_scale_j(stage));
       }
       if (reason.empty() && is_last) reason = "duration";
-      if (!reason.empty() || (snapshot_every_ > 0 && sim.steps() % snapshot_every_ == 0))
-        writer_.write_snapshot(snapshot_of(scene_, stage.name, sim), sim.wall_poses());
+      if (!reason.empty() || (snapshot_every_ > 0 && sim_.steps() % snapshot_every_ == 0))
+        writer_.write_snapshot(snapshot_of(scene_, stage.name, sim_), sim_.wall_poses());
     }
-    summary_.stages.push_back({stage.name, sim.time_s(), reason});
+    now_.ends.push_back({stage.name, sim_.time_s(), reason});
     writer_.log(fmt::format(
         "stage \"{}\" ended at {:.6g} s: {}; {} bodies, kinetic energy {:.4g} J, {} "
         "contacts, largest overlap so far {:.3g} of the radius",
-        stage.name, sim.time_s(), reason, sim.ledger().alive, last_row_.kinetic_energy_j,
-        last_row_.contacts, summary_.largest_overlap_ratio));
+        stage.name, sim_.time_s(), reason, sim_.ledger().alive, now_.last_row.kinetic_energy_j,
+        now_.last_row.contacts, now_.largest_overlap_ratio));
   }
 
   /// Nothing is at rest as long as rain is to fall.
-  double rest_scale_j(const Simulation& sim, const scene::Stage& stage) const {
-    return awaits_rain(scene_, stage.name, sim) ? 0.0 : weight_scale_j_;
+  double rest_scale_j(const scene::Stage& stage) const {
+    return awaits_rain(scene_, stage.name, sim_) ? 0.0 : now_.weight_scale_j;
   }
 
-  /// To the next step at which something is written, in portions between looks at the progress.
-  void advance(Simulation& sim, std::int64_t last_step, const std::string& stage) {
-    std::int64_t target = std::min(last_step, (sim.steps() / series_every_ + 1) * series_every_);
+  /// To the next step at which something is written, in portions; before each, requests are heard.
+  void advance(const std::string& stage) {
+    const std::int64_t begun = sim_.steps();
+    std::int64_t target = std::min(now_.last_step, (begun / series_every_ + 1) * series_every_);
     if (snapshot_every_ > 0)
-      target = std::min(target, (sim.steps() / snapshot_every_ + 1) * snapshot_every_);
-    while (sim.steps() < target) {
-      const double spheres = static_cast<double>(std::max<std::size_t>(sim.size(), 1));
+      target = std::min(target, (begun / snapshot_every_ + 1) * snapshot_every_);
+    while (sim_.steps() < target) {
+      hear_requests();
+      const double spheres = static_cast<double>(std::max<std::size_t>(sim_.size(), 1));
       const auto portion =
           std::max<std::int64_t>(1, static_cast<std::int64_t>(kWorkBetweenProgress / spheres));
-      const std::int64_t steps = std::min(portion, target - sim.steps());
-      sim.step(steps);
-      sphere_steps_ += static_cast<double>(steps) * static_cast<double>(sim.size());
-      if (progress_) progress_(sim.time_s(), std::max(latest_end_s_, sim.time_s()), stage);
+      const std::int64_t steps = std::min(portion, target - sim_.steps());
+      sim_.step(steps);
+      now_.sphere_steps += static_cast<double>(steps) * static_cast<double>(sim_.size());
+      if (control_.progress)
+        control_.progress(sim_.time_s(), std::max(now_.latest_end_s, sim_.time_s()), stage);
     }
+  }
+
+  void hear_requests() {
+    const Request request = control_.request ? control_.request() : Request::none;
+    const double interval_s = scene_.output.checkpoint_wall_time_s;
+    const bool is_due = interval_s > 0.0 && watch_.wall_s() - last_checkpoint_s_ >= interval_s;
+    if (request == Request::none && !is_due) return;
+    save();
+    if (request == Request::stop)
+      throw RunStopped(fmt::format(
+          "interrupted at {:.4g} of at most {:.4g} s; the same command goes on from there",
+          sim_.time_s(), now_.latest_end_s));
+    if (request == Request::write_checkpoint)
+      writer_.log(fmt::format("checkpoint at {:.6g} s, as asked for", sim_.time_s()));
+  }
+
+  void save() {
+    now_.output = writer_.position();
+    now_.wall_time_s = watch_.wall_s();
+    now_.processor_time_s = watch_.processor_s();
+    Checkpoint checkpoint = sim_.checkpoint();
+    add_to(checkpoint, now_);
+    write_checkpoint(checkpoint_file_, checkpoint);
+    last_checkpoint_s_ = watch_.wall_s();
   }
 
   /// How long this stage and those after it last if none ends early.
@@ -149,32 +242,34 @@ class Runner {
   }
 
   /// One row of every time series; loads on walls are of steps, so they begin after the first.
-  void add_rows(Simulation& sim) {
-    const std::vector<Body> bodies = sim.bodies();
-    weight_scale_j_ = weight_scale_j(scene_, bodies);
-    last_row_.time_s = sim.time_s();
-    last_row_.kinetic_energy_j = 0.0;
-    for (const Body& body : bodies) last_row_.kinetic_energy_j += body.kinetic_energy_j();
-    last_row_.max_overlap_ratio = sim.take_largest_overlap_ratio();
-    last_row_.contacts = static_cast<std::int64_t>(sim.contacts());
-    last_row_.region_mass_kg = region_masses(scene_, bodies);
-    summary_.largest_overlap_ratio =
-        std::max(summary_.largest_overlap_ratio, last_row_.max_overlap_ratio);
-    writer_.add_row(last_row_);
-    if (!scene_.walls.empty() && sim.steps() > 0) writer_.add_row(wall_row_of(sim));
-    writer_.add_row(scene::ContactRow{sim.time_s(), sim.contact_statistics()});
-    if (scene_.output.energy) writer_.add_row(sim.energy());
+  void add_rows() {
+    const std::vector<Body> bodies = sim_.bodies();
+    now_.weight_scale_j = weight_scale_j(scene_, bodies);
+    scene::SeriesRow& row = now_.last_row;
+    row.time_s = sim_.time_s();
+    row.kinetic_energy_j = 0.0;
+    for (const Body& body : bodies) row.kinetic_energy_j += body.kinetic_energy_j();
+    row.max_overlap_ratio = sim_.take_largest_overlap().ratio();
+    row.contacts = static_cast<std::int64_t>(sim_.contacts());
+    row.region_mass_kg = region_masses(scene_, bodies);
+    now_.largest_overlap_ratio = std::max(now_.largest_overlap_ratio, row.max_overlap_ratio);
+    writer_.add_row(row);
+    if (!scene_.walls.empty() && sim_.steps() > 0) writer_.add_row(wall_row_of(sim_));
+    writer_.add_row(scene::ContactRow{sim_.time_s(), sim_.contact_statistics()});
+    if (scene_.output.energy) writer_.add_row(sim_.energy());
   }
 
   const scene::Case& scene_;
-  const ProgressCallback& progress_;
+  const RunControl& control_;
+  std::filesystem::path checkpoint_file_;
+  Stopwatch watch_;
+  RunState now_;
+  Simulation sim_;
+  bool goes_on_;
   scene::RunWriter writer_;
   scene::RunSummary summary_;
-  scene::SeriesRow last_row_;
-  double weight_scale_j_ = 0.0;  // of the last row
-  double sphere_steps_ = 0.0;
+  double last_checkpoint_s_ = watch_.wall_s();
   double dt_ = 0.0;
-  double latest_end_s_ = 0.0;  // of the run, as known from what stages have ended
   std::int64_t series_every_ = 1;
   std::int64_t snapshot_every_ = 0;
 };
@@ -182,9 +277,9 @@ class Runner {
 }  // namespace
 
 scene::RunSummary run_case(const scene::Case& scene, const std::filesystem::path& run_dir,
-                           const ProgressCallback& progress) {
+                           const RunControl& control) {
   scene::validate(scene);
-  return Runner(scene, run_dir, progress).run();
+  return Runner(scene, run_dir, control).run();
 }
 
 }  // namespace repose::dem

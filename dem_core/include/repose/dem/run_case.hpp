@@ -2,18 +2,44 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 
+#include "repose/base/error.hpp"
 #include "repose/base/progress.hpp"
 #include "repose/scene/run_output.hpp"
 
 namespace repose::dem {
 
+/// What a run is asked to do besides going on.
+enum class Request { none, write_checkpoint, stop };
+
+enum class Start {
+  where_stopped,  ///< from the checkpoint in the run folder, if there is one
+  anew            ///< removes what an earlier run left
+};
+
+struct RunControl {
+  /// Is told the simulated time and the latest at which the run may end, which comes closer when a
+  /// stage ends early; what it throws ends the run, and the folder then holds closed parts but no
+  /// run.h5.
+  ProgressCallback progress{};
+  /// Asked about twice a second, and answered at once.
+  std::function<Request()> request{};
+  Start start = Start::where_stopped;
+};
+
+/// Request::stop was followed: the checkpoint is written.
+struct RunStopped : SimulationError {
+  using SimulationError::SimulationError;
+};
+
 /// Runs all stages of a case and writes its run folder (see run_output.hpp). Criteria that end a
-/// stage are looked at with each row of the series. `progress` is told the simulated time and the
-/// latest at which the run may end, which comes closer when a stage ends early; what it throws ends
-/// the run, and the folder then holds closed parts but no run.h5. Throws InputError before the
-/// first step, SimulationError, StorageError.
+/// stage are looked at with each row of the series. Checkpoints are written on request and after
+/// each Output::checkpoint_wall_time_s; where one is found, the run goes on from it, and its output
+/// is as if it had never stopped. Throws InputError before the first step (another case left its
+/// checkpoint in the folder, naming what differs), SimulationError, StorageError: then the last
+/// checkpoint is still there. Throws RunStopped.
 scene::RunSummary run_case(const scene::Case& scene, const std::filesystem::path& run_dir,
-                           const ProgressCallback& progress = {});
+                           const RunControl& control = {});
 
 }  // namespace repose::dem

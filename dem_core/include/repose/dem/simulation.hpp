@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "repose/dem/checkpoint.hpp"
 #include "repose/dem/contact_law.hpp"
 #include "repose/scene/run_records.hpp"
 #include "repose/scene/triangle_mesh.hpp"
@@ -53,6 +54,17 @@ struct Body {
   Vec3 angular_momentum() const;  ///< about its centre, kg m^2/s
 };
 
+/// The deepest overlap of any contact, against the smaller radius.
+struct LargestOverlap {
+  double overlap_m = 0.0;
+  double smaller_radius_m = 1.0;
+  std::int32_t sphere = -1;  ///< id; -1 if nothing touched
+  std::int32_t other = -1;   ///< id of a sphere or index of a wall
+  bool is_at_wall = false;
+
+  double ratio() const { return overlap_m / smaller_radius_m; }
+};
+
 struct SimulationOptions {
   /// Time step; 0 takes Case::time_step_rayleigh_fraction of the smallest Rayleigh time present.
   double time_step_s = 0.0;
@@ -69,6 +81,9 @@ class Simulation {
   /// Output and when a stage ends are run_case()'s matter. Throws InputError for a case that cannot
   /// be simulated and SimulationError if the fill does not fit.
   explicit Simulation(const scene::Case& scene, const SimulationOptions& options = {});
+  /// Goes on from a checkpoint of the same case as if the simulation had never stopped: bit for
+  /// bit, in one build. Throws InputError as require_same_case(), StorageError.
+  Simulation(const scene::Case& scene, const Checkpoint& checkpoint);
   ~Simulation();
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;
@@ -105,14 +120,18 @@ class Simulation {
   std::vector<scene::PairContacts> contact_statistics();
   /// Touching pairs and contacts with walls.
   std::size_t contacts();
-  /// Largest overlap of any contact over the smaller radius since the last call of this function.
-  double take_largest_overlap_ratio();
+  /// Since the last call of this function.
+  LargestOverlap take_largest_overlap();
   /// Loads on the walls, in the order of the case, since the last call of this function.
   std::vector<WallLoad> take_wall_loads();
   /// Where the walls are, in the order of the case.
   std::vector<scene::WallPose> wall_poses() const;
   /// What the meshes among the walls are, in the order of the case; none for other shapes.
   std::vector<std::optional<scene::MeshReport>> mesh_reports() const;
+  /// All that the simulation needs to go on; nothing changes, the run goes on as without.
+  Checkpoint checkpoint();
+  /// Stands for all bits of bodies and contacts: equal for equal states, however they came about.
+  std::uint64_t state_hash();
   /// Neighbor list builds so far.
   std::int64_t rebuilds() const;
   /// Pairs of ids in the neighbor list, smaller first, sorted; for tests.

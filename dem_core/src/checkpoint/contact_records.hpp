@@ -1,0 +1,29 @@
+// Contacts by the ids of those that touch: what outlives the order of spheres in memory.
+#pragma once
+
+#include <vector>
+
+#include "neighbor/neighbor_lists.hpp"
+
+namespace repose::dem {
+
+/// A contact of two spheres, as the one of the smaller id sees it.
+struct ContactRecord {
+  std::int32_t first, second;  ///< ids, first < second
+  ContactHistory history;
+  double stored_j;
+};
+
+/// All contacts of pairs, by ascending ids.
+std::vector<ContactRecord> contact_records(const Spheres& spheres, const NeighborList& pairs,
+                                           const ContactPool& pool);
+
+/// Begins these contacts in lists without any. Throws StorageError for a pair that is not listed.
+void begin_contacts(const std::vector<ContactRecord>& records, const Spheres& spheres,
+                    NeighborList& pairs, ContactPool& pool);
+
+/// Brings the lists, without contacts, into another order of the spheres: order[k] is the index now
+/// of the sphere that is to be the k-th. The spheres themselves are selected by the caller.
+void reorder_lists(const std::vector<std::int32_t>& order, NeighborLists& lists);
+
+}  // namespace repose::dem

@@ -1,0 +1,263 @@
+// A simulation from its tables and attributes.
+#include <algorithm>
+#include <string>
+
+#include "checkpoint/columns.hpp"
+#include "checkpoint/contact_records.hpp"
+#include "repose/base/error.hpp"
+#include "repose/dem/checkpoint.hpp"
+#include "simulation_state.hpp"
+
+namespace repose::dem {
+namespace {
+
+[[noreturn]] void inconsistent(const std::string& what) {
+  throw StorageError("a checkpoint is inconsistent: " + what + "; begin the run anew");
+}
+
+/// Indices of spheres by id.
+class SphereIndex {
+ public:
+  explicit SphereIndex(const Spheres& spheres) {
+    for (std::size_t i = 0; i < spheres.size(); ++i)
+      by_id_.emplace_back(spheres.id[i], static_cast<std::int32_t>(i));
+    std::sort(by_id_.begin(), by_id_.end());
+  }
+  std::int32_t of(std::int32_t id) const {
+    const auto found = std::lower_bound(by_id_.begin(), by_id_.end(),
+                                        std::pair<std::int32_t, std::int32_t>{id, 0});
+    if (found == by_id_.end() || found->first != id)
+      inconsistent("there is no sphere " + std::to_string(id));
+    return found->second;
+  }
+
+ private:
+  std::vector<std::pair<std::int32_t, std::int32_t>> by_id_;
+};
+
+/// In the order of the table; those of clumps do not know their member yet.
+Spheres spheres_of(const table::Table& table) {
+  const auto id = short_integers(table, "id");
+  const auto body = short_integers(table, "body");
+  const auto material = short_integers(table, "material");
+  const auto radius = table.numbers("radius");
+  const auto mass = table.numbers("mass");
+  const auto inverse_mass = table.numbers("inverse_mass");
+  const auto inverse_inertia = table.numbers("inverse_inertia");
+  const VectorColumn x(table, "position"), v(table, "velocity"), w(table, "angular_velocity");
+  const VectorColumn force(table, "force"), torque(table, "torque");
+  Spheres spheres;
+  for (std::size_t r = 0; r < table.rows(); ++r) {
+    spheres.add({.motion = {x[r], radius[r], v[r], inverse_mass[r]},
+                 .spin = {w[r], inverse_inertia[r]},
+                 .material = material[r],
+                 .id = id[r],
+                 .body = body[r],
+                 .mass = mass[r]});
+    spheres.load.back().force = force[r];
+    spheres.load.back().torque = torque[r];
+  }
+  return spheres;
+}
+
+Clumps clumps_of(const table::Table& bodies, const table::Table& members, Spheres& spheres) {
+  const SphereIndex index(spheres);
+  const auto sphere = short_integers(members, "sphere");
+  const VectorColumn local(members, "local"), arm(members, "arm");
+  Clumps clumps;
+  for (std::size_t m = 0; m < members.rows(); ++m) {
+    clumps.members.push_back({index.of(sphere[m]), local[m], arm[m]});
+    spheres.member[static_cast<std::size_t>(clumps.members[m].sphere)] =
+        static_cast<std::int32_t>(m);
+  }
+  const auto body = short_integers(bodies, "body");
+  const auto material = short_integers(bodies, "material");
+  const auto count = short_integers(bodies, "spheres");
+  const auto radius = bodies.numbers("radius");
+  const auto mass = bodies.numbers("mass");
+  const auto orientation_w = bodies.numbers("orientation_w");
+  const VectorColumn x(bodies, "position"), v(bodies, "velocity"), l(bodies, "angular_momentum");
+  const VectorColumn orientation(bodies, "orientation"), inertia(bodies, "inertia");
+  const VectorColumn force(bodies, "force"), torque(bodies, "torque");
+  std::int32_t first = 0;
+  for (std::size_t c = 0; c < bodies.rows(); ++c) {
+    const Vec3 q = orientation[c];
+    clumps.all.push_back({.x = x[c],
+                          .v = v[c],
+                          .l = l[c],
+                          .q = {orientation_w[c], q.x(), q.y(), q.z()},
+                          .inertia = inertia[c],
+                          .mass = mass[c],
+                          .radius = radius[c],
+                          .force = force[c],
+                          .torque = torque[c],
+                          .body = body[c],
+                          .material = material[c],
+                          .first = first,
+                          .count = count[c]});
+    first += count[c];
+  }
+  if (static_cast<std::size_t>(first) != members.rows()) inconsistent("spheres of clumps");
+  return clumps;
+}
+
+/// order[k] is the row of the sphere that comes k-th in memory.
+std::vector<std::int32_t> saved_order(const table::Table& spheres) {
+  const auto place = spheres.integers("order");
+  std::vector<std::int32_t> order(place.size(), -1);
+  for (std::size_t r = 0; r < place.size(); ++r) {
+    const auto k = static_cast<std::size_t>(place[r]);
+    if (k >= order.size() || order[k] >= 0) inconsistent("order of spheres");
+    order[k] = static_cast<std::int32_t>(r);
+  }
+  return order;
+}
+
+std::vector<ContactRecord> contacts_of(const table::Table& table) {
+  const auto first = short_integers(table, "first");
+  const auto second = short_integers(table, "second");
+  const auto stored = table.numbers("stored");
+  const VectorColumn slip(table, "slip"), rolling(table, "rolling");
+  std::vector<ContactRecord> contacts;
+  for (std::size_t r = 0; r < table.rows(); ++r)
+    contacts.push_back({first[r], second[r], {slip[r], rolling[r]}, stored[r]});
+  return contacts;
+}
+
+std::vector<WallContact> wall_contacts_of(const table::Table& table, const Spheres& spheres) {
+  const SphereIndex index(spheres);
+  const auto id = short_integers(table, "sphere");
+  const auto wall = short_integers(table, "wall");
+  const auto patch = short_integers(table, "patch");
+  const auto overlap = table.numbers("overlap");
+  const auto stored = table.numbers("stored");
+  const VectorColumn normal(table, "normal"), slip(table, "slip"), rolling(table, "rolling");
+  std::vector<WallContact> contacts;
+  for (std::size_t r = 0; r < table.rows(); ++r) {
+    contacts.push_back({index.of(id[r]),
+                        patch[r],
+                        wall[r],
+                        normal[r],
+                        overlap[r],
+                        {{slip[r], rolling[r]}, stored[r]}});
+  }
+  std::stable_sort(contacts.begin(), contacts.end(),
+                   [](const WallContact& a, const WallContact& b) { return a.sphere < b.sphere; });
+  return contacts;
+}
+
+}  // namespace
+
+void Simulation::State::restore(const Checkpoint& saved) {
+  prepare_insertion();
+  steps = saved.integer("steps");
+  dt = saved.number("time_step_s");
+  skin = saved.number("skin_m");
+  listed_step = saved.integer("listed_step");
+  next_sphere = static_cast<std::int32_t>(saved.integer("next_sphere"));
+  next_body = static_cast<std::int32_t>(saved.integer("next_body"));
+  ledger.inserted = saved.integer("inserted");
+  ledger.removed = saved.integer("removed");
+  ledger.inserted_kg = saved.number("inserted_kg");
+  ledger.removed_kg = saved.number("removed_kg");
+  const table::Table& rains_then = saved.table("/rains");
+  if (rains_then.rows() != rains.size()) inconsistent("number of rains");
+  const auto placed = rains_then.integers("placed");
+  const auto attempts = rains_then.integers("attempts");
+  const auto placed_kg = rains_then.numbers("placed_mass");
+  for (std::size_t r = 0; r < rains.size(); ++r)
+    rains[r].go_on_from({placed[r], attempts[r], placed_kg[r]});
+  restore_bodies_and_lists(saved);
+  restore_sums(saved);
+}
+
+/// Lists are built where the spheres and the walls were when those of the saved run were, so that
+/// they hold as long; what is summed is summed in the saved order.
+void Simulation::State::restore_bodies_and_lists(const Checkpoint& saved) {
+  const table::Table& table = saved.table("/spheres");
+  const VectorColumn listed(table, "listed"), position(table, "position");
+  const std::vector<std::int32_t> order = saved_order(table);
+  spheres = spheres_of(table);
+  clumps = clumps_of(saved.table("/clumps"), saved.table("/clump_spheres"), spheres);
+  spheres.select(order);
+  follow_order(spheres, clumps);
+  const std::vector<std::int32_t> ids = spheres.id;
+  for (std::size_t k = 0; k < order.size(); ++k)
+    spheres.motion[k].x = box.wrapped(listed[static_cast<std::size_t>(order[k])]);
+  restore_walls(saved);
+  if (spheres.id != ids) {
+    const SphereIndex index(spheres);
+    std::vector<std::int32_t> back;
+    for (const std::int32_t id : ids) back.push_back(index.of(id));
+    reorder_lists(back, lists);
+    spheres.select(back);
+    follow_order(spheres, clumps);
+  }
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const auto row = static_cast<std::size_t>(order[k]);
+    spheres.motion[k].x = position[row];
+    spheres.x_listed[k] = listed[row];
+  }
+  begin_contacts(contacts_of(saved.table("/contacts")), spheres, lists.pairs, pool);
+  wall_contacts.all = wall_contacts_of(saved.table("/wall_contacts"), spheres);
+}
+
+/// Walls go through the stages again; on their way the lists are built.
+void Simulation::State::restore_walls(const Checkpoint& saved) {
+  const table::Table& stages = saved.table("/stages");
+  const auto& names = stages.texts("name");
+  const auto starts = stages.numbers("start");
+  for (std::size_t s = 0; s < names.size(); ++s) stage_start_s[names[s]] = starts[s];
+  const auto go_to = [&](double last, std::int64_t step) {
+    for (const auto& [name, start] : stage_start_s)
+      if (start < last) walls.begin_stage(name, start);
+    if (step > 0) walls.advance(static_cast<double>(step) * dt, dt);
+  };
+  go_to(static_cast<double>(listed_step) * dt, listed_step);
+  rebuild_lists();
+  listed_step = saved.integer("listed_step");
+  go_to(time_s(), steps);
+  for (const auto& [name, start] : stage_start_s)
+    if (start >= time_s()) walls.begin_stage(name, start);
+
+  const table::Table& then = saved.table("/walls");
+  if (then.rows() != walls.size()) inconsistent("number of walls");
+  const auto present = then.integers("present");
+  const auto work = then.numbers("work");
+  const VectorColumn force(then, "force"), torque(then, "torque");
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    if (present[w] == 0) walls.open(w);
+    walls.load(w) = {force[w], torque[w], work[w]};
+  }
+}
+
+void Simulation::State::restore_sums(const Checkpoint& saved) {
+  rebuilds = saved.integer("rebuilds");
+  wall_load_steps = saved.integer("wall_load_steps");
+  wall_work_j = saved.number("wall_work_j");
+  wall_contacts.released_j = saved.number("walls_released_j");
+  initial_j = saved.number("initial_j");
+  const auto wrapped = saved.numbers("wrapped_kg_m", 3);
+  wrapped_kg_m = {wrapped[0], wrapped[1], wrapped[2]};
+  const auto sums = saved.numbers("counted_j", 8);
+  counted.dissipated_normal_j = sums[0];
+  counted.dissipated_tangential_j = sums[1];
+  counted.dissipated_sliding_j = sums[2];
+  counted.dissipated_rolling_j = sums[3];
+  counted.stiffness_change_j = sums[4];
+  counted.released_j = sums[5];
+  counted.inserted_j = sums[6];
+  counted.removed_j = sums[7];
+  const auto stored_then = saved.numbers("stored_j", 3);
+  stored.normal_j = stored_then[0];
+  stored.tangential_j = stored_then[1];
+  stored.rolling_j = stored_then[2];
+  const auto overlap = saved.numbers("largest_overlap_m", 2);
+  largest_overlap = {.overlap_m = overlap[0],
+                     .smaller_radius_m = overlap[1],
+                     .sphere = static_cast<std::int32_t>(saved.integer("largest_overlap_sphere")),
+                     .other = static_cast<std::int32_t>(saved.integer("largest_overlap_other")),
+                     .is_at_wall = saved.integer("largest_overlap_at_wall") != 0};
+}
+
+}  // namespace repose::dem

@@ -1,0 +1,130 @@
+// The program stopped by force: killed, on a full disk, by signals.
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+#include "repose/base/random.hpp"
+#include "repose/dem/checkpoint.hpp"
+#include "restart_cases.hpp"
+
+namespace repose::dem {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+
+/// Starts repose-dem; no file that it writes may exceed `largest_file`, as if the disk were full.
+pid_t start(const fs::path& case_file, const fs::path& output,
+            rlim_t largest_file = RLIM_INFINITY) {
+  const std::string bin = std::string(REPOSE_BIN) + "/repose-dem";
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const rlimit limit{largest_file, RLIM_INFINITY};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    if (std::freopen("/dev/null", "w", stdout) == nullptr) ::_exit(126);
+    if (std::freopen("/dev/null", "w", stderr) == nullptr) ::_exit(126);
+    ::execl(bin.c_str(), "repose-dem", case_file.c_str(), "-o", output.c_str(), "--quiet", nullptr);
+    ::_exit(127);
+  }
+  return child;
+}
+
+/// Exit code, or minus the number of the signal that ended the child.
+int end_of(pid_t child) {
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+}
+
+bool is_running(pid_t child) {
+  siginfo_t info{};
+  return ::waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+         info.si_pid == 0;
+}
+
+/// Until the file is there or the program has ended.
+void wait_for(const fs::path& file, pid_t child) {
+  while (!fs::exists(file) && is_running(child)) std::this_thread::sleep_for(milliseconds(1));
+}
+
+/// A second's work with a checkpoint as often as the program can.
+scene::Case many_checkpoints(const fs::path& file) {
+  scene::Case c = everything();
+  c.output.checkpoint_wall_time_s = 1e-6;
+  c.output.series_interval_s = 0.01;
+  scene::write_case(file, c);
+  return c;
+}
+
+TEST(Program, KilledAtAnyMomentGoesOnFromTheLastGoodCheckpoint) {
+  const TestFolder folder;
+  const fs::path input = folder.path / "case.toml";
+  const fs::path killed = folder.path / "killed";
+  many_checkpoints(input);
+  ASSERT_EQ(end_of(start(input, folder.path / "straight")), 0);
+  RandomStream random(1, 0);
+  int code = -SIGKILL;
+  int kills = 0;
+  bool had_checkpoint = false;
+  for (int wait_ms = 10; code != 0; wait_ms += 15) {
+    const pid_t child = start(input, killed);
+    std::this_thread::sleep_for(milliseconds(wait_ms + static_cast<int>(random.uniform() * 40)));
+    ::kill(child, SIGKILL);
+    code = end_of(child);
+    ASSERT_TRUE(code == 0 || code == -SIGKILL) << code;
+    const bool has_checkpoint = fs::exists(scene::checkpoint_file(killed));
+    if (code != 0) {
+      ++kills;
+      EXPECT_TRUE(has_checkpoint || !had_checkpoint || fs::exists(killed / "run.h5"));
+      if (has_checkpoint) {
+        EXPECT_NO_THROW(read_checkpoint(scene::checkpoint_file(killed)));
+      }
+    }
+    had_checkpoint = has_checkpoint;
+  }
+  EXPECT_GT(kills, 5);
+  expect_same_output(folder.path / "straight", killed);
+}
+
+TEST(Program, OnAFullDiskFailsAndLosesNothing) {
+  const TestFolder folder;
+  const fs::path input = folder.path / "case.toml";
+  const fs::path full = folder.path / "full";
+  many_checkpoints(input);
+  ASSERT_EQ(end_of(start(input, folder.path / "straight")), 0);
+  const fs::path checkpoint = scene::checkpoint_file(full);
+  const pid_t first = start(input, full);
+  wait_for(checkpoint, first);
+  ::kill(first, SIGTERM);
+  ASSERT_EQ(end_of(first), 128 + SIGTERM);
+  const std::string good = read_file(checkpoint);
+  for (const double share : {0.1, 0.5, 0.9}) {
+    const auto largest = static_cast<rlim_t>(share * static_cast<double>(good.size()));
+    EXPECT_EQ(end_of(start(input, full, largest)), 6) << share;
+    EXPECT_EQ(read_file(checkpoint), good) << share;
+  }
+  ASSERT_EQ(end_of(start(input, full)), 0);
+  expect_same_output(folder.path / "straight", full);
+}
+
+TEST(Program, WritesACheckpointOnSigusr1AndGoesOn) {
+  const TestFolder folder;
+  scene::Case c = everything();
+  scene::write_case(folder.path / "case.toml", c);
+  const fs::path run = folder.path / "run";
+  const pid_t child = start(folder.path / "case.toml", run);
+  wait_for(run / "log.txt", child);  // its handlers are set
+  ::kill(child, SIGUSR1);
+  wait_for(scene::checkpoint_file(run), child);
+  EXPECT_NO_THROW(read_checkpoint(scene::checkpoint_file(run)));
+  EXPECT_EQ(end_of(child), 0);
+  EXPECT_NE(read_file(run / "log.txt").find("as asked for"), std::string::npos);
+  EXPECT_FALSE(fs::exists(scene::checkpoint_file(run)));
+  EXPECT_TRUE(fs::exists(run / "run.h5"));
+}
+
+}  // namespace
+}  // namespace repose::dem
