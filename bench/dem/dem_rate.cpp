@@ -1,7 +1,9 @@
-// How fast the engine advances a case: repose_dem_rate CASE.toml STEPS [--time-step S] [--warm STEPS] ...
+// How fast the engine advances a case: repose_dem_rate CASE.toml STEPS [--time-step S] [--warm
+// STEPS] ...
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -19,10 +21,15 @@ double resident_bytes() {
   return resident * 4096.0;
 }
 
-double seconds_of(repose::dem::Simulation& simulation, std::int64_t steps) {
+struct Seconds {
+  double wall, processor;
+};
+Seconds seconds_of(repose::dem::Simulation& simulation, std::int64_t steps) {
   const auto begin = std::chrono::steady_clock::now();
+  const std::clock_t processor = std::clock();
   simulation.step(steps);
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return {std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(),
+          static_cast<double>(std::clock() - processor) / CLOCKS_PER_SEC};
 }
 
 struct Request {
@@ -42,13 +49,15 @@ void measure(const Request& request) {
   while (simulation.time_s() < request.until_s) simulation.step(100);
   simulation.step(request.warm);
   const std::int64_t rebuilds = simulation.rebuilds();
-  const double seconds = seconds_of(simulation, request.steps);
+  const Seconds seconds = seconds_of(simulation, request.steps);
   const auto spheres = static_cast<double>(simulation.size());
   std::printf(
-      "repose ranks=1 loop_s=%.4f sphere_steps_per_s=%.4g spheres=%zu contacts=%zu rebuilds=%lld "
+      "repose ranks=1 loop_s=%.4f sphere_steps_per_s=%.4g processor_s=%.4f spheres=%zu "
+      "contacts=%zu rebuilds=%lld "
       "bytes_per_sphere=%.0f kinetic_energy_j=%.6g\n",
-      seconds, spheres * static_cast<double>(request.steps) / seconds, simulation.size(),
-      simulation.contacts(), static_cast<long long>(simulation.rebuilds() - rebuilds),
+      seconds.wall, spheres * static_cast<double>(request.steps) / seconds.wall, seconds.processor,
+      simulation.size(), simulation.contacts(),
+      static_cast<long long>(simulation.rebuilds() - rebuilds),
       (resident_bytes() - before) / spheres, simulation.kinetic_energy_j());
 }
 

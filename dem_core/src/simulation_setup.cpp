@@ -97,7 +97,8 @@ void Simulation::State::prepare() {
                      "Rayleigh time, " +
                      shortest(0.5 * rayleigh) + " s");
   check_speed(step);
-  skin = options.skin_radii * smallest_radius();
+  least_radius = smallest_radius();
+  skin = Skin(least_radius, options.skin_radii);
   rebuild_lists();
   dt = step;
   compute_forces(0.0);

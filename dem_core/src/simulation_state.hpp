@@ -7,6 +7,7 @@
 
 #include "contact/contact_forces.hpp"
 #include "insertion/rain.hpp"
+#include "neighbor/skin.hpp"
 #include "particles/integration.hpp"
 #include "repose/dem/simulation.hpp"
 
@@ -45,8 +46,9 @@ struct Simulation::State {
   double initial_j = 0.0;        // kinetic, potential and stored at the start
   std::int32_t next_sphere = 0;  // ids
   std::int32_t next_body = 0;
-  double dt = 0.0;  // 0 until prepared
-  double skin = 0.0;
+  double dt = 0.0;        // 0 until prepared
+  double least_radius = 0.0;  // present or to come
+  Skin skin{0.0, 1.0};
   std::int64_t steps = 0;
   std::int64_t listed_step = 0;  // when the lists were built
   std::int64_t rebuilds = 0;
@@ -63,8 +65,11 @@ struct Simulation::State {
   void check_speed(double step) const;
   void check_wall_speed() const;
   void check_displacement(double moved) const;
+  void keep_lists_valid(double moved);
   void one_step();
-  void rebuild_lists();
+  /// The order of spheres, hence of sums, changes at steps that the case alone determines; when
+  /// lists wear out depends on the skin and changes nothing.
+  void rebuild_lists(Order order = Order::sorted);
   void compute_forces(double history_dt);
   void count_dissipation(const ContactEnergies& now, double span);
   std::vector<Body> bodies() const;

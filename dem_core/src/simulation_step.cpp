@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kLargestWallStep = 0.25;  // of the smallest radius, in one time step
 constexpr std::int64_t kStepsBetweenRain = 50;
+constexpr std::int64_t kStepsBetweenSorts = 1000;
 
 }  // namespace
 
@@ -21,11 +22,19 @@ std::string place_text(const Vec3& x) {
   return "(" + mm(x.x()) + ", " + mm(x.y()) + ", " + mm(x.z()) + ") m";
 }
 
-void Simulation::State::rebuild_lists() {
-  rebuild(box, skin, walls, spheres, clumps, lists, pool, wall_contacts);
+void Simulation::State::rebuild_lists(Order order) {
+  rebuild(box, skin.width(), order, walls, spheres, clumps, lists, pool, wall_contacts);
   walls.mark_listed();
   listed_step = steps;
   ++rebuilds;
+}
+
+void Simulation::State::keep_lists_valid(double moved) {
+  const double worn = std::max(moved, 0.5 * (moved + walls.displacement()));
+  const bool sorts = steps % kStepsBetweenSorts == 0;
+  if (!sorts && worn <= 0.5 * skin.width()) return;
+  skin.adapt(worn, steps - listed_step);
+  rebuild_lists(sorts ? Order::sorted : Order::kept);
 }
 
 void Simulation::State::compute_forces(double history_dt) {
@@ -129,8 +138,8 @@ void Simulation::State::remove_what_is_in_sinks() {
 }
 
 void Simulation::State::one_step() {
-  kick_all(dt);
-  const DriftResult of_spheres = drift(box, dt, spheres);
+  kick(scene.gravity_m_s2, dt, clumps);
+  const DriftResult of_spheres = kick_and_drift(box, scene.gravity_m_s2, dt, spheres);
   const DriftResult of_clumps = drift(box, dt, clumps, spheres);
   ++steps;
   if (of_spheres.out >= 0) lost(static_cast<std::size_t>(of_spheres.out));
@@ -141,7 +150,7 @@ void Simulation::State::one_step() {
   check_wall_speed();
   const double moved = std::sqrt(std::max(of_spheres.moved2, of_clumps.moved2));
   check_displacement(moved);
-  if (moved > 0.5 * skin || moved + walls.displacement() > skin) rebuild_lists();
+  keep_lists_valid(moved);
   if (!rains.empty() && steps % kStepsBetweenRain == 0) let_rain_fall();
   compute_forces(dt);
 }
@@ -149,7 +158,7 @@ void Simulation::State::one_step() {
 /// Lists are rebuilt before a sphere has moved by half the skin, so that more than that and a
 /// radius can only come from one step in which it jumped.
 void Simulation::State::check_displacement(double moved) const {
-  if (moved <= 0.5 * skin + skin / options.skin_radii) return;
+  if (moved <= 0.5 * skin.width() + least_radius) return;
   for (std::size_t i = 0; i < spheres.size(); ++i)
     if (box.nearest_image(spheres.motion[i].x - spheres.x_listed[i]).norm() >= moved)
       throw SimulationError(name_of(i) + " at " + place_text(spheres.motion[i].x) +
@@ -161,7 +170,7 @@ void Simulation::State::check_displacement(double moved) const {
 /// A wall that jumped over the centre of a sphere would push it on.
 void Simulation::State::check_wall_speed() const {
   const Walls::LargestStep moved = walls.largest_step();
-  const double allowed = kLargestWallStep * skin / options.skin_radii;
+  const double allowed = kLargestWallStep * least_radius;
   if (moved.distance <= allowed) return;
   throw SimulationError("wall \"" + scene.walls[moved.wall].name + "\" moved by " +
                         shortest(moved.distance) + " m in the time step before " +

@@ -137,8 +137,7 @@ std::vector<scene::PairContacts> Simulation::contact_statistics() {
     const int pair = index_of[static_cast<std::size_t>(a * materials + b)];
     return sums[static_cast<std::size_t>(pair)];
   };
-  for (const PairState& pair :
-       pair_states(s.box, s.laws, s.dt, s.spheres, s.lists.pairs, s.pool)) {
+  for (const PairState& pair : pair_states(s.box, s.laws, s.dt, s.spheres, s.lists.pairs, s.pool)) {
     const auto i = static_cast<std::size_t>(pair.i);
     const auto j = static_cast<std::size_t>(pair.j);
     of_pair(s.spheres.material[i], s.spheres.material[j])

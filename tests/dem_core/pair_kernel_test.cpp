@@ -133,9 +133,10 @@ void expect_same_as_scalar(const PairKernel& kernel) {
           Bench wide = scalar;
           DeepestPair of_scalar{0.0, -1};
           DeepestPair of_wide{0.0, -1};
-          pair_kernel_scalar().add_forces(scalar.batch(), of_scalar);
+          usable_pair_kernels().front()->add_forces(scalar.batch(), of_scalar);
           kernel.add_forces(wide.batch(), of_wide);
-          EXPECT_TRUE(same_bits(scalar.load, wide.load)) << name_of(model) << ", " << pairs;
+          EXPECT_TRUE(same_bits(scalar.load, wide.load))
+              << kernel.name << ", " << name_of(model) << ", " << pairs;
           EXPECT_TRUE(same_bits(scalar.contacts, wide.contacts)) << name_of(model) << ", " << pairs;
           EXPECT_EQ(of_scalar.ratio, of_wide.ratio);
           EXPECT_EQ(of_scalar.pair, of_wide.pair);
@@ -143,13 +144,9 @@ void expect_same_as_scalar(const PairKernel& kernel) {
         }
 }
 
-TEST(PairKernel, ForAnyProcessorGivesTheScalarBits) {
-  expect_same_as_scalar(pair_kernel_baseline());
-}
-
-TEST(PairKernel, ForAvx2GivesTheScalarBits) {
-  if (usable_pair_kernel_v3() == nullptr) GTEST_SKIP() << "this processor has no AVX2";
-  expect_same_as_scalar(*usable_pair_kernel_v3());
+TEST(PairKernel, ForEachProcessorGivesTheScalarBits) {
+  ASSERT_GE(usable_pair_kernels().size(), 2u);
+  for (const PairKernel* kernel : usable_pair_kernels()) expect_same_as_scalar(*kernel);
 }
 
 TEST(PairKernel, WithEnergiesGivesTheScalarBits) {
@@ -158,7 +155,7 @@ TEST(PairKernel, WithEnergiesGivesTheScalarBits) {
     Bench asked = plain;
     DeepestPair deepest{0.0, -1};
     ContactEnergies sum;
-    pair_kernel_scalar().add_forces(plain.batch(), deepest);
+    usable_pair_kernels().front()->add_forces(plain.batch(), deepest);
     add_forces_with_energies(asked.batch(), deepest, sum);
     EXPECT_TRUE(same_bits(plain.load, asked.load)) << name_of(model);
     double stored = 0.0;

@@ -37,19 +37,17 @@ TEST(Restart, GivesTheBitsOfAStraightRunFromAnyStep) {
   EXPECT_GT(straight.size(), straight.bodies().size());
   EXPECT_GT(straight.rebuilds(), 20);
   EXPECT_GT(straight.energy().released_j, 0.0);
-  // Before the first step, beside and between builds of the lists, before and after the stage
+  // Before the first step, beside and between new orders of the spheres, before and after the stage
   // begins and before and after rain.
-  for (const std::int64_t step : {0, 1, 37, 50, 999, 1000, 1001, 1450, 1913, 2777}) {
+  for (const std::int64_t step : {0, 1, 37, 50, 999, 1000, 1001, 1163, 1450, 1578, 1913, 2777}) {
     Simulation first(c);
     go_to(first, step);
     Simulation second = restarted(first, c, folder.path / "checkpoint.h5");
     EXPECT_EQ(second.state_hash(), first.state_hash()) << step;
-    EXPECT_EQ(second.rebuilds(), first.rebuilds());
     go_to(first, kLast);  // who wrote the checkpoint goes on undisturbed
     go_to(second, kLast);
     for (Simulation* sim : {&first, &second}) {
       EXPECT_EQ(sim->state_hash(), straight.state_hash()) << step;
-      EXPECT_EQ(sim->rebuilds(), straight.rebuilds()) << step;
       EXPECT_TRUE(sim->ledger() == ledger) << step;
       EXPECT_EQ(sim->energy().error_j, straight.energy().error_j) << step;
       EXPECT_EQ(sim->outstanding_rain_kg(), straight.outstanding_rain_kg()) << step;

@@ -69,29 +69,4 @@ void begin_contacts(const std::vector<ContactRecord>& records, const Spheres& sp
                        " contacts of spheres that are apart; begin the run anew");
 }
 
-void reorder_lists(const std::vector<std::int32_t>& order, NeighborLists& lists) {
-  const std::size_t n = order.size();
-  std::vector<std::int32_t> new_index(n);
-  for (std::size_t k = 0; k < n; ++k) new_index[index(order[k])] = static_cast<std::int32_t>(k);
-  std::vector<std::vector<std::int32_t>> rows(n);
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::int32_t p = lists.pairs.first[i]; p < lists.pairs.first[i + 1]; ++p) {
-      const auto [a, b] =
-          std::minmax(new_index[i], new_index[index(lists.pairs.entries[index(p)].other)]);
-      rows[index(a)].push_back(b);
-    }
-  NeighborLists sorted;
-  for (std::size_t k = 0; k < n; ++k) {
-    std::sort(rows[k].begin(), rows[k].end());
-    sorted.pairs.first.push_back(static_cast<std::int32_t>(sorted.pairs.entries.size()));
-    for (const std::int32_t other : rows[k]) sorted.pairs.entries.push_back({other, kNoContact});
-    sorted.walls.first.push_back(static_cast<std::int32_t>(sorted.walls.facets.size()));
-    const auto row = lists.walls.row(index(order[k]));
-    sorted.walls.facets.insert(sorted.walls.facets.end(), row.begin(), row.end());
-  }
-  sorted.pairs.first.push_back(static_cast<std::int32_t>(sorted.pairs.entries.size()));
-  sorted.walls.first.push_back(static_cast<std::int32_t>(sorted.walls.facets.size()));
-  lists = std::move(sorted);
-}
-
 }  // namespace repose::dem

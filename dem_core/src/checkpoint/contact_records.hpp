@@ -22,8 +22,4 @@ std::vector<ContactRecord> contact_records(const Spheres& spheres, const Neighbo
 void begin_contacts(const std::vector<ContactRecord>& records, const Spheres& spheres,
                     NeighborList& pairs, ContactPool& pool);
 
-/// Brings the lists, without contacts, into another order of the spheres: order[k] is the index now
-/// of the sphere that is to be the k-th. The spheres themselves are selected by the caller.
-void reorder_lists(const std::vector<std::int32_t>& order, NeighborLists& lists);
-
 }  // namespace repose::dem

@@ -152,8 +152,6 @@ void Simulation::State::restore(const Checkpoint& saved) {
   prepare_insertion();
   steps = saved.integer("steps");
   dt = saved.number("time_step_s");
-  skin = saved.number("skin_m");
-  listed_step = saved.integer("listed_step");
   next_sphere = static_cast<std::int32_t>(saved.integer("next_sphere"));
   next_body = static_cast<std::int32_t>(saved.integer("next_body"));
   ledger.inserted = saved.integer("inserted");
@@ -171,52 +169,31 @@ void Simulation::State::restore(const Checkpoint& saved) {
   restore_sums(saved);
 }
 
-/// Lists are built where the spheres and the walls were when those of the saved run were, so that
-/// they hold as long; what is summed is summed in the saved order.
+/// What is summed is summed in the saved order; when lists were built changes nothing.
 void Simulation::State::restore_bodies_and_lists(const Checkpoint& saved) {
   const table::Table& table = saved.table("/spheres");
-  const VectorColumn listed(table, "listed"), position(table, "position");
   const std::vector<std::int32_t> order = saved_order(table);
   spheres = spheres_of(table);
   clumps = clumps_of(saved.table("/clumps"), saved.table("/clump_spheres"), spheres);
   spheres.select(order);
   follow_order(spheres, clumps);
-  const std::vector<std::int32_t> ids = spheres.id;
-  for (std::size_t k = 0; k < order.size(); ++k)
-    spheres.motion[k].x = box.wrapped(listed[static_cast<std::size_t>(order[k])]);
   restore_walls(saved);
-  if (spheres.id != ids) {
-    const SphereIndex index(spheres);
-    std::vector<std::int32_t> back;
-    for (const std::int32_t id : ids) back.push_back(index.of(id));
-    reorder_lists(back, lists);
-    spheres.select(back);
-    follow_order(spheres, clumps);
-  }
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    const auto row = static_cast<std::size_t>(order[k]);
-    spheres.motion[k].x = position[row];
-    spheres.x_listed[k] = listed[row];
-  }
+  least_radius = smallest_radius();
+  skin = Skin(least_radius, options.skin_radii);
+  rebuild_lists(Order::kept);
   begin_contacts(contacts_of(saved.table("/contacts")), spheres, lists.pairs, pool);
   wall_contacts.all = wall_contacts_of(saved.table("/wall_contacts"), spheres);
 }
 
-/// Walls go through the stages again; on their way the lists are built.
+/// Walls go through the stages again.
 void Simulation::State::restore_walls(const Checkpoint& saved) {
   const table::Table& stages = saved.table("/stages");
   const auto& names = stages.texts("name");
   const auto starts = stages.numbers("start");
   for (std::size_t s = 0; s < names.size(); ++s) stage_start_s[names[s]] = starts[s];
-  const auto go_to = [&](double last, std::int64_t step) {
-    for (const auto& [name, start] : stage_start_s)
-      if (start < last) walls.begin_stage(name, start);
-    if (step > 0) walls.advance(static_cast<double>(step) * dt, dt);
-  };
-  go_to(static_cast<double>(listed_step) * dt, listed_step);
-  rebuild_lists();
-  listed_step = saved.integer("listed_step");
-  go_to(time_s(), steps);
+  for (const auto& [name, start] : stage_start_s)
+    if (start < time_s()) walls.begin_stage(name, start);
+  if (steps > 0) walls.advance(time_s(), dt);
   for (const auto& [name, start] : stage_start_s)
     if (start >= time_s()) walls.begin_stage(name, start);
 

@@ -39,7 +39,6 @@ table::Table spheres_table(const Spheres& spheres) {
                [&](std::size_t r) { return spheres.spin[order[r]].w; });
   rows.vectors("force", "N", [&](std::size_t r) { return spheres.load[order[r]].force; });
   rows.vectors("torque", "N m", [&](std::size_t r) { return spheres.load[order[r]].torque; });
-  rows.vectors("listed", "m", [&](std::size_t r) { return spheres.x_listed[order[r]]; });
   return rows.take();
 }
 
@@ -162,8 +161,6 @@ Checkpoint Simulation::State::checkpoint() const {
       {"time_step_s", dt},
       {"time_step_option_s", options.time_step_s},
       {"skin_radii", options.skin_radii},
-      {"skin_m", skin},
-      {"listed_step", listed_step},
       {"rebuilds", rebuilds},
       {"next_sphere", static_cast<std::int64_t>(next_sphere)},
       {"next_body", static_cast<std::int64_t>(next_body)},

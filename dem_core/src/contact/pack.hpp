@@ -27,6 +27,12 @@ struct VectorTypes<4> {
   typedef long long Bits __attribute__((vector_size(32)));
 };
 
+template <>
+struct VectorTypes<8> {
+  typedef double Lanes __attribute__((vector_size(64)));
+  typedef long long Bits __attribute__((vector_size(64)));
+};
+
 template <int N>
 struct PackMask {
   using Bits = typename VectorTypes<N>::Bits;
@@ -76,6 +82,11 @@ template <int N>
   if constexpr (N == 2)
     return Pack<N>(
         reinterpret_cast<typename Pack<N>::Lanes>(_mm_sqrt_pd(reinterpret_cast<__m128d>(x.lanes))));
+#if defined(__AVX512F__)
+  if constexpr (N == 8)
+    return Pack<N>(reinterpret_cast<typename Pack<N>::Lanes>(
+        _mm512_maskz_sqrt_pd(0xff, reinterpret_cast<__m512d>(x.lanes))));
+#endif
 #if defined(__AVX__)
   if constexpr (N == 4)
     return Pack<N>(reinterpret_cast<typename Pack<N>::Lanes>(
@@ -87,6 +98,11 @@ template <int N>
 }
 template <int N>
 [[gnu::always_inline]] inline bool any(PackMask<N> mask) {
+#if defined(__AVX512F__)
+  if constexpr (N == 8)
+    return _mm512_test_epi64_mask(reinterpret_cast<__m512i>(mask.bits),
+                                  reinterpret_cast<__m512i>(mask.bits)) != 0;
+#endif
 #if defined(__AVX__)
   if constexpr (N == 4) return _mm256_movemask_pd(reinterpret_cast<__m256d>(mask.bits)) != 0;
 #endif
@@ -184,6 +200,45 @@ requires(N == 4)
   *reinterpret_cast<M*>(to[1]) = t.b.lanes;
   *reinterpret_cast<M*>(to[2]) = t.c.lanes;
   *reinterpret_cast<M*>(to[3]) = t.d.lanes;
+}
+
+/// Four rows of four in each half.
+template <int N>
+requires(N == 8) [[gnu::always_inline]] inline Row<Pack<N>> transposed(const Row<Pack<N>>& r) {
+  using L = typename Pack<N>::Lanes;
+  const L t0 = __builtin_shufflevector(r.a.lanes, r.b.lanes, 0, 8, 2, 10, 4, 12, 6, 14);
+  const L t1 = __builtin_shufflevector(r.a.lanes, r.b.lanes, 1, 9, 3, 11, 5, 13, 7, 15);
+  const L t2 = __builtin_shufflevector(r.c.lanes, r.d.lanes, 0, 8, 2, 10, 4, 12, 6, 14);
+  const L t3 = __builtin_shufflevector(r.c.lanes, r.d.lanes, 1, 9, 3, 11, 5, 13, 7, 15);
+  return {Pack<N>(__builtin_shufflevector(t0, t2, 0, 1, 8, 9, 4, 5, 12, 13)),
+          Pack<N>(__builtin_shufflevector(t1, t3, 0, 1, 8, 9, 4, 5, 12, 13)),
+          Pack<N>(__builtin_shufflevector(t0, t2, 2, 3, 10, 11, 6, 7, 14, 15)),
+          Pack<N>(__builtin_shufflevector(t1, t3, 2, 3, 10, 11, 6, 7, 14, 15))};
+}
+template <int N>
+requires(N == 8)
+    [[gnu::always_inline]] inline Row<Pack<N>> read_rows(const double* const (&from)[N]) {
+  using M = VectorTypes<4>::InMemory;
+  const auto both = [&from](int k) __attribute__((always_inline)) {
+    return Pack<N>(__builtin_shufflevector(*reinterpret_cast<const M*>(from[k]),
+                                           *reinterpret_cast<const M*>(from[k + 4]), 0, 1, 2, 3, 4,
+                                           5, 6, 7));
+  };
+  return transposed<N>({both(0), both(1), both(2), both(3)});
+}
+template <int N>
+requires(N == 8)
+    [[gnu::always_inline]] inline void write_rows(const Row<Pack<N>>& row, double* const (&to)[N]) {
+  using M = VectorTypes<4>::InMemory;
+  const Row<Pack<N>> t = transposed<N>(row);
+  const auto part = [&to](Pack<N> rows, int k) __attribute__((always_inline)) {
+    *reinterpret_cast<M*>(to[k]) = __builtin_shufflevector(rows.lanes, rows.lanes, 0, 1, 2, 3);
+    *reinterpret_cast<M*>(to[k + 4]) = __builtin_shufflevector(rows.lanes, rows.lanes, 4, 5, 6, 7);
+  };
+  part(t.a, 0);
+  part(t.b, 1);
+  part(t.c, 2);
+  part(t.d, 3);
 }
 
 }  // namespace repose::dem::detail

@@ -15,8 +15,8 @@ std::size_t index(std::int32_t i) {
 /// So many pairs are tested, then those of them that touch go through the law: what the test has
 /// asked for has come from memory by then and is not gone again.
 constexpr std::size_t kBatch = 128;
-constexpr std::int32_t kPartOfRow = 32;
-constexpr std::int32_t kAhead = 12;  // pairs between asking for a sphere and testing it
+constexpr std::size_t kPart = 32;   // pairs between two looks at whether a batch is full
+constexpr std::size_t kAhead = 12;  // pairs between asking for a sphere and testing it
 
 static_assert(sizeof(Motion) == 64 && sizeof(Spin) == 32 && sizeof(Load) == 64);
 
@@ -48,9 +48,9 @@ class PairForces {
     batch_.pairs = pairs_.data();
   }
 
-  /// Room for kPartOfRow pairs.
+  /// Room for kPart pairs.
   TouchingPair* room() {
-    if (batch_.count + kPartOfRow > pairs_.size()) compute();
+    if (batch_.count + kPart > pairs_.size()) compute();
     return pairs_.data() + batch_.count;
   }
   void taken(std::size_t count) { batch_.count += count; }
@@ -85,41 +85,37 @@ template <int kMask>
 void add_forces_in(const Box& box, const Spheres& spheres, NeighborList& pairs, ContactPool& pool,
                    PairForces& forces) {
   const Motion* const motion = spheres.motion.data();
-  const std::int32_t* const first = pairs.first.data();
   Neighbor* const entries = pairs.entries.data();
-  const auto end = static_cast<std::int32_t>(pairs.entries.size());
-  const auto n = static_cast<std::int32_t>(spheres.size());
-  for (std::int32_t i = 0; i < n; ++i) {
-    const Motion& a = motion[i];
-    std::int32_t p = first[i];
-    while (p < first[i + 1]) {
-      const std::int32_t last = std::min(p + kPartOfRow, first[i + 1]);
-      TouchingPair* const room = forces.room();
-      std::size_t count = 0;
-      for (; p < last; ++p) {
-        __builtin_prefetch(motion + entries[std::min(p + kAhead, end - 1)].other);
-        Neighbor& neighbor = entries[p];
-        const Motion& b = motion[neighbor.other];
-        const Vec3 offset = box.nearest_image_in<kMask>(b.x - a.x);
-        const double reach = a.radius + b.radius;
-        const bool touches = offset.squaredNorm() < reach * reach;
-        if (touches != (neighbor.contact != kNoContact)) {
-          if (touches) {
-            neighbor.contact = pool.begin_contact();
-          } else {
-            pool.end_contact(neighbor.contact);
-            neighbor.contact = kNoContact;
-          }
+  const std::size_t end = pairs.entries.size();
+  for (std::size_t p = 0; p < end;) {
+    const std::size_t last = std::min(p + kPart, end);
+    TouchingPair* const room = forces.room();
+    std::size_t count = 0;
+    for (; p < last; ++p) {
+      __builtin_prefetch(motion + entries[std::min(p + kAhead, end - 1)].other);
+      Neighbor& neighbor = entries[p];
+      const Motion& a = motion[neighbor.row];
+      const Motion& b = motion[neighbor.other];
+      const Vec3 offset = box.nearest_image_in<kMask>(b.x - a.x);
+      const double reach = a.radius + b.radius;
+      const bool touches = offset.squaredNorm() < reach * reach;
+      if (touches != (neighbor.contact != kNoContact)) {
+        if (touches) {
+          neighbor.contact = pool.begin_contact();
+        } else {
+          pool.end_contact(neighbor.contact);
+          neighbor.contact = kNoContact;
         }
-        // Written for each pair and kept if it touches: a branch would often be guessed wrong.
-        room[count] = {i, neighbor.other, neighbor.contact};
-        count += touches ? 1 : 0;
-        __builtin_prefetch(&spheres.spin[index(neighbor.other)]);
-        __builtin_prefetch(&spheres.load[index(neighbor.other)], 1);
-        __builtin_prefetch(pool.data() + (touches ? neighbor.contact : 0), 1);
       }
-      forces.taken(count);
+      // Written for each pair and kept if it touches: a branch would often be guessed wrong.
+      room[count] = {neighbor.row, neighbor.other, neighbor.contact};
+      count += touches ? 1 : 0;
+      const std::size_t needed = index(touches ? neighbor.other : neighbor.row);
+      __builtin_prefetch(&spheres.spin[needed]);
+      __builtin_prefetch(&spheres.load[needed], 1);
+      __builtin_prefetch(pool.data() + (touches ? neighbor.contact : 0), 1);
     }
+    forces.taken(count);
   }
   forces.compute();
 }
@@ -140,23 +136,21 @@ std::vector<PairState> pair_states(const Box& box, const LawTable& laws, double 
                                    const ContactPool& pool) {
   std::vector<PairState> states;
   states.reserve(pool.size());
-  for (std::int32_t row = 0; row + 1 < static_cast<std::int32_t>(pairs.first.size()); ++row)
-    for (std::int32_t p = pairs.first[index(row)]; p < pairs.first[index(row + 1)]; ++p) {
-      const Neighbor& neighbor = pairs.entries[index(p)];
-      if (neighbor.contact == kNoContact) continue;
-      const std::size_t i = index(row);
-      const std::size_t j = index(neighbor.other);
-      const Motion& a = spheres.motion[i];
-      const Motion& b = spheres.motion[j];
-      const Vec3 offset = box.nearest_image(b.x - a.x);
-      const ContactState state =
-          contact_state(laws.model(), laws.at(spheres.material[i], spheres.material[j]),
-                        sphere_sphere(a.radius, 1.0 / a.inv_mass, b.radius, 1.0 / b.inv_mass),
-                        pair_kinematics(laws.model(), dt, offset, offset.norm(), a, b,
-                                        spheres.spin[i].w, spheres.spin[j].w),
-                        pool.at(neighbor.contact).history);
-      states.push_back({row, neighbor.other, state});
-    }
+  for (const Neighbor& neighbor : pairs.entries) {
+    if (neighbor.contact == kNoContact) continue;
+    const std::size_t i = index(neighbor.row);
+    const std::size_t j = index(neighbor.other);
+    const Motion& a = spheres.motion[i];
+    const Motion& b = spheres.motion[j];
+    const Vec3 offset = box.nearest_image(b.x - a.x);
+    const ContactState state =
+        contact_state(laws.model(), laws.at(spheres.material[i], spheres.material[j]),
+                      sphere_sphere(a.radius, 1.0 / a.inv_mass, b.radius, 1.0 / b.inv_mass),
+                      pair_kinematics(laws.model(), dt, offset, offset.norm(), a, b,
+                                      spheres.spin[i].w, spheres.spin[j].w),
+                      pool.at(neighbor.contact).history);
+    states.push_back({neighbor.row, neighbor.other, state});
+  }
   return states;
 }
 

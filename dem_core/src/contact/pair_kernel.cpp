@@ -17,25 +17,23 @@ constexpr PairKernel kBaseline{"x86-64", add_forces_baseline};
 
 }  // namespace
 
-const PairKernel& pair_kernel_scalar() {
-  return kScalar;
-}
-const PairKernel& pair_kernel_baseline() {
-  return kBaseline;
-}
-
-const PairKernel* usable_pair_kernel_v3() {
+std::vector<const PairKernel*> usable_pair_kernels() {
+  std::vector<const PairKernel*> kernels{&kScalar, &kBaseline};
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
-      __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2"))
-    return pair_kernel_v3();
+  const bool v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
+                  __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
+  if (v3 && pair_kernel_v3() != nullptr) kernels.push_back(pair_kernel_v3());
+  const bool v4 = v3 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+                  __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
+                  __builtin_cpu_supports("avx512vl");
+  if (v4 && pair_kernel_v4() != nullptr) kernels.push_back(pair_kernel_v4());
 #endif
-  return nullptr;
+  return kernels;
 }
 
 const PairKernel& pair_kernel() {
-  static const PairKernel* const v3 = usable_pair_kernel_v3();
-  return v3 != nullptr ? *v3 : kBaseline;
+  static const PairKernel* const widest = usable_pair_kernels().back();
+  return *widest;
 }
 
 void add_forces_with_energies(const PairBatch& batch, DeepestPair& deepest, ContactEnergies& sum) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "repose/dem/contact_energies.hpp"
 #include "repose/dem/pair_law.hpp"
@@ -49,15 +50,14 @@ struct PairKernel {
   void (*add_forces)(const PairBatch& batch, DeepestPair& deepest);
 };
 
-/// One contact at a time: the slow twin of the others.
-const PairKernel& pair_kernel_scalar();
-/// Two at a time, for any x86-64.
-const PairKernel& pair_kernel_baseline();
-/// Four at a time, null if it was not built; needs a processor with AVX2.
+/// Four at a time for x86-64-v3 and eight for v4; null if not built. Their processors only.
 const PairKernel* pair_kernel_v3();
-/// The same, null also if this processor cannot run it.
-const PairKernel* usable_pair_kernel_v3();
-/// The widest for this processor.
+const PairKernel* pair_kernel_v4();
+
+/// What this processor can run, narrowest first: one contact at a time, which is the slow twin of
+/// the others, two at a time for any x86-64, and those of the newer processors.
+std::vector<const PairKernel*> usable_pair_kernels();
+/// The widest of them.
 const PairKernel& pair_kernel();
 
 /// One at a time, with what the contacts store and lose added to `sum`; same forces.

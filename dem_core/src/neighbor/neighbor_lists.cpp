@@ -4,7 +4,8 @@
 #include <numeric>
 #include <utility>
 
-#include "neighbor/cell_grid.hpp"
+#include "neighbor/pair_search.hpp"
+#include "neighbor/sphere_order.hpp"
 #include "repose/base/error.hpp"
 
 namespace repose::dem {
@@ -14,67 +15,48 @@ std::size_t index(std::int32_t i) {
   return static_cast<std::size_t>(i);
 }
 
-/// The order of the spheres by (cell, id): order[new index] = old index.
-std::vector<std::int32_t> sphere_order(const CellGrid& grid, const Spheres& spheres) {
-  std::vector<std::pair<std::uint64_t, std::pair<std::int32_t, std::int32_t>>> sorted;
-  sorted.reserve(spheres.size());
-  for (std::size_t i = 0; i < spheres.size(); ++i)
-    sorted.push_back({grid.keys()[i], {spheres.id[i], static_cast<std::int32_t>(i)}});
-  if (!std::is_sorted(sorted.begin(), sorted.end())) std::sort(sorted.begin(), sorted.end());
-  std::vector<std::int32_t> order;
-  order.reserve(sorted.size());
-  for (const auto& entry : sorted) order.push_back(entry.second.second);
-  return order;
-}
-
-double largest_radius(const Spheres& spheres) {
-  double largest = 0.0;
-  for (const Motion& sphere : spheres.motion) largest = std::max(largest, sphere.radius);
-  return largest;
-}
-
-/// Pairs of different bodies closer than R_i + R_j + skin, by ascending (i, j).
-template <int kMask>
-NeighborList find_pairs(const Box& box, double skin, const CellGrid& grid, const Spheres& spheres,
-                        std::size_t expected) {
-  const std::vector<Motion>& motion = spheres.motion;
-  NeighborList list;
-  list.first.reserve(motion.size() + 1);
-  list.entries.reserve(expected);
-  std::vector<std::int32_t> neighbors;
-  const auto add_range = [&](std::int32_t i, std::int32_t first, std::int32_t last) {
-    const Motion& a = motion[index(i)];
-    for (std::int32_t j = first; j < last; ++j) {
-      const Motion& b = motion[index(j)];
-      const Vec3 d = box.nearest_image_in<kMask>(b.x - a.x);
-      const double reach = a.radius + b.radius + skin;
-      if (d.squaredNorm() < reach * reach && spheres.body[index(i)] != spheres.body[index(j)])
-        list.entries.push_back({j, kNoContact});
-    }
-  };
-  for (std::size_t c = 0; c < grid.cells().size(); ++c) {
-    const CellGrid::Cell& cell = grid.cells()[c];
-    grid.following_neighbors(c, neighbors);
-    for (std::int32_t i = cell.first; i < cell.last; ++i) {
-      list.first.push_back(static_cast<std::int32_t>(list.entries.size()));
-      add_range(i, i + 1, cell.last);
-      for (std::int32_t n : neighbors)
-        add_range(i, grid.cells()[index(n)].first, grid.cells()[index(n)].last);
-    }
+/// Where a sphere may come back in if it leaves through a periodic side before the next search.
+std::vector<Vec3> reentries(const Box& box, double skin, const Vec3& x) {
+  std::vector<Vec3> images;
+  for (int k = 0; k < 3; ++k) {
+    if (!box.periodic[k]) continue;
+    const double way = x[k] < box.lower[k] + skin   ? box.length[k]
+                       : x[k] > box.upper[k] - skin ? -box.length[k]
+                                                    : 0.0;
+    if (way == 0.0) continue;
+    const std::size_t before = images.size();
+    images.push_back(x);
+    for (std::size_t n = 0; n < before; ++n) images.push_back(Vec3(images[n]));
+    for (std::size_t n = before; n < images.size(); ++n) images[n][k] += way;
   }
-  list.first.push_back(static_cast<std::int32_t>(list.entries.size()));
-  return list;
+  return images;
 }
 
-/// Facets that a sphere can reach by moving less than the skin.
-WallList find_walls(const Walls& walls, double skin, const std::vector<Motion>& motion,
-                    std::size_t expected) {
+/// Facets that a sphere can reach by moving less than the skin, each once with its least gap.
+WallList find_walls(const Box& box, const Walls& walls, double skin,
+                    const std::vector<Motion>& motion, std::size_t expected) {
   WallList list;
   list.first.reserve(motion.size() + 1);
   list.facets.reserve(expected);
+  std::vector<NearFacet> beyond;
   for (const Motion& sphere : motion) {
-    list.first.push_back(static_cast<std::int32_t>(list.facets.size()));
+    const std::size_t row = list.facets.size();
+    list.first.push_back(static_cast<std::int32_t>(row));
     walls.add_near(sphere.x, sphere.radius, skin, list.facets);
+    if (box.periodic_mask() == 0) continue;
+    for (const Vec3& x : reentries(box, skin, sphere.x)) {
+      beyond.clear();
+      walls.add_near(x, sphere.radius, skin, beyond);
+      for (const NearFacet& facet : beyond) {
+        const auto known =
+            std::find_if(list.facets.begin() + static_cast<std::ptrdiff_t>(row), list.facets.end(),
+                         [&facet](const NearFacet& other) { return other.facet == facet.facet; });
+        if (known == list.facets.end())
+          list.facets.push_back(facet);
+        else
+          known->gap = std::min(known->gap, facet.gap);
+      }
+    }
   }
   list.first.push_back(static_cast<std::int32_t>(list.facets.size()));
   return list;
@@ -92,54 +74,48 @@ Neighbor& entry(NeighborList& list, std::int32_t i, std::int32_t other) {
 /// order changed keeps its slot with the history of the other side.
 void carry_pairs(const NeighborList& old, const std::vector<std::int32_t>& new_index,
                  NeighborList& list, ContactPool& pool) {
-  for (std::size_t i = 0; i + 1 < old.first.size(); ++i)
-    for (std::int32_t p = old.first[i]; p < old.first[i + 1]; ++p) {
-      const Neighbor& neighbor = old.entries[index(p)];
-      if (neighbor.contact == kNoContact) continue;
-      std::int32_t a = new_index[i];
-      std::int32_t b = new_index[index(neighbor.other)];
-      if (a > b) {
-        std::swap(a, b);
-        ContactHistory& history = pool.at(neighbor.contact).history;
-        history.slip = -history.slip;
-        history.rolling = -history.rolling;
-      }
-      entry(list, a, b).contact = neighbor.contact;
+  for (const Neighbor& neighbor : old.entries) {
+    if (neighbor.contact == kNoContact) continue;
+    std::int32_t a = new_index[index(neighbor.row)];
+    std::int32_t b = new_index[index(neighbor.other)];
+    if (a > b) {
+      std::swap(a, b);
+      ContactHistory& history = pool.at(neighbor.contact).history;
+      history.slip = -history.slip;
+      history.rolling = -history.rolling;
     }
+    entry(list, a, b).contact = neighbor.contact;
+  }
 }
 
 /// Numbers the contacts in the order in which the lists meet them.
-void renumber(NeighborList& list, const ContactPool& old, ContactPool& pool) {
+void renumber(NeighborList& list, ContactPool& pool) {
+  ContactPool renumbered = pool.emptied();
   for (Neighbor& neighbor : list.entries)
-    if (neighbor.contact != kNoContact) neighbor.contact = pool.append(old.at(neighbor.contact));
+    if (neighbor.contact != kNoContact)
+      neighbor.contact = renumbered.append(pool.at(neighbor.contact));
+  pool = std::move(renumbered);
 }
 
 }  // namespace
 
-void rebuild(const Box& box, double skin, const Walls& walls, Spheres& spheres, Clumps& clumps,
-             NeighborLists& lists, ContactPool& pool, WallContacts& wall_contacts) {
-  CellGrid grid(box, spheres.motion, 2.0 * largest_radius(spheres) + skin);
-  const std::vector<std::int32_t> order = sphere_order(grid, spheres);
-  spheres.select(order);
-  follow_order(spheres, clumps);
-  std::vector<std::uint64_t> sorted_keys;
-  sorted_keys.reserve(order.size());
-  for (std::int32_t old : order) sorted_keys.push_back(grid.keys()[index(old)]);
-  grid.set_cells(sorted_keys);
-
+void rebuild(const Box& box, double skin, Order order, const Walls& walls, Spheres& spheres,
+             Clumps& clumps, NeighborLists& lists, ContactPool& pool, WallContacts& wall_contacts) {
+  std::vector<std::int32_t> new_index(spheres.size());
+  std::iota(new_index.begin(), new_index.end(), 0);
+  if (order == Order::sorted) {
+    const std::vector<std::int32_t> sorted = morton_order(box, spheres);
+    for (std::size_t i = 0; i < sorted.size(); ++i)
+      new_index[index(sorted[i])] = static_cast<std::int32_t>(i);
+    spheres.select(sorted);
+    follow_order(spheres, clumps);
+    wall_contacts.follow_order(new_index);
+  }
   NeighborLists built;
-  built.pairs = with_periodic_mask(box, [&]<int kMask>() {
-    return find_pairs<kMask>(box, skin, grid, spheres, lists.pairs.entries.size() + 64);
-  });
-  built.walls = find_walls(walls, skin, spheres.motion, lists.walls.facets.size() + 64);
-  std::vector<std::int32_t> new_index(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i)
-    new_index[index(order[i])] = static_cast<std::int32_t>(i);
+  built.pairs = find_pairs(box, skin, spheres);
+  built.walls = find_walls(box, walls, skin, spheres.motion, lists.walls.facets.size() + 64);
   carry_pairs(lists.pairs, new_index, built.pairs, pool);
-  wall_contacts.follow_order(new_index);
-  ContactPool renumbered = pool.emptied();
-  renumber(built.pairs, pool, renumbered);
-  pool = std::move(renumbered);
+  if (order == Order::sorted) renumber(built.pairs, pool);
   lists = std::move(built);
 
   spheres.x_listed.resize(spheres.size());
@@ -159,6 +135,7 @@ void remove_spheres(const std::vector<std::int32_t>& new_index, NeighborLists& l
     }
     for (std::int32_t p = lists.pairs.first[i]; p < lists.pairs.first[i + 1]; ++p) {
       Neighbor neighbor = lists.pairs.entries[index(p)];
+      neighbor.row = new_index[i];
       neighbor.other = new_index[index(neighbor.other)];
       if (stays && neighbor.other >= 0)
         kept.pairs.entries.push_back(neighbor);

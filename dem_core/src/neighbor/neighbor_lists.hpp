@@ -15,6 +15,7 @@ namespace repose::dem {
 
 /// A sphere that may come to touch, and the contact if it does.
 struct Neighbor {
+  std::int32_t row;      ///< index of the sphere whose neighbor it is
   std::int32_t other;    ///< index of a sphere, greater than that of the row
   std::int32_t contact;  ///< in the pool, kNoContact while they do not touch
 };
@@ -42,11 +43,16 @@ struct NeighborLists {
   WallList walls;
 };
 
-/// Sorts the spheres by (cell, id), builds both lists anew and takes the contacts with their
-/// history from the old ones. Pairs (i, j) are listed by ascending i, then j: the order of every
-/// sum. Spheres of one body are no pair.
-void rebuild(const Box& box, double skin, const Walls& walls, Spheres& spheres, Clumps& clumps,
-             NeighborLists& lists, ContactPool& pool, WallContacts& wall_contacts);
+/// What becomes of the order of the spheres when lists are built.
+enum class Order {
+  kept,   ///< spheres added since the last build come last
+  sorted  ///< as morton_order() says
+};
+
+/// Builds both lists anew and takes the contacts with their history from the old ones. Pairs (i, j)
+/// are listed by ascending i, then j: the order of every sum. Spheres of one body are no pair.
+void rebuild(const Box& box, double skin, Order order, const Walls& walls, Spheres& spheres,
+             Clumps& clumps, NeighborLists& lists, ContactPool& pool, WallContacts& wall_contacts);
 
 /// Takes spheres that are to leave out of the lists and ends their contacts; new_index is their
 /// future index, or -1. The spheres themselves are selected by the caller.

@@ -16,22 +16,26 @@ bool wrap(const Box& box, double mass, Vec3& x, Vec3& listed, Vec3& moved_kg_m) 
   return box.contains(x);
 }
 
+[[gnu::always_inline]] inline void kick(const Vec3& gravity, double dt, const Load& load,
+                                        Motion& sphere, Spin& spin) {
+  sphere.v += (load.force * sphere.inv_mass + gravity) * dt;
+  spin.w += load.torque * (spin.inv_inertia * dt);
+}
+
 }  // namespace
 
 void kick(const Vec3& gravity, double dt, Spheres& spheres) {
-  for (std::size_t i = 0; i < spheres.size(); ++i) {
-    if (spheres.member[i] >= 0) continue;
-    Motion& sphere = spheres.motion[i];
-    sphere.v += (spheres.load[i].force * sphere.inv_mass + gravity) * dt;
-    spheres.spin[i].w += spheres.load[i].torque * (spheres.spin[i].inv_inertia * dt);
-  }
+  for (std::size_t i = 0; i < spheres.size(); ++i)
+    if (spheres.member[i] < 0)
+      kick(gravity, dt, spheres.load[i], spheres.motion[i], spheres.spin[i]);
 }
 
-DriftResult drift(const Box& box, double dt, Spheres& spheres) {
+DriftResult kick_and_drift(const Box& box, const Vec3& gravity, double dt, Spheres& spheres) {
   DriftResult result;
   for (std::size_t i = 0; i < spheres.size(); ++i) {
     if (spheres.member[i] >= 0) continue;
     Motion& sphere = spheres.motion[i];
+    kick(gravity, dt, spheres.load[i], sphere, spheres.spin[i]);
     sphere.x += sphere.v * dt;
     if (!box.contains(sphere.x) &&
         !wrap(box, spheres.mass[i], sphere.x, spheres.x_listed[i], result.moved_kg_m) &&

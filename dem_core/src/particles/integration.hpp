@@ -17,8 +17,8 @@ struct DriftResult {
   std::ptrdiff_t out = -1;  ///< first sphere that left the domain or has no finite position, or -1
 };
 
-/// x += v dt with images wrapped into the domain, for bodies of one sphere; sets their loads to
-/// zero.
-DriftResult drift(const Box& box, double dt, Spheres& spheres);
+/// kick(), then x += v dt with images wrapped into the domain, for bodies of one sphere; sets their
+/// loads to zero. One pass over memory instead of two.
+DriftResult kick_and_drift(const Box& box, const Vec3& gravity, double dt, Spheres& spheres);
 
 }  // namespace repose::dem
