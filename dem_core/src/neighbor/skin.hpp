@@ -22,7 +22,7 @@ class Skin {
   void adapt(double moved, std::int64_t steps);
 
  private:
-  static constexpr double kFirst = 0.5;  // smallest radii, before anything is known
+  static constexpr double kFirst = 0.1;  // smallest radii, before anything is known
   static constexpr double kNarrowest = 0.05;
   static constexpr double kWidest = 2.0;
   static constexpr double kRebuildCost = 15.0;
