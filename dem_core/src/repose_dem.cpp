@@ -117,8 +117,13 @@ void run(const Options& options) {
                                                               : repose::ProgressStyle::automatic);
   const auto start =
       options.from_start ? repose::dem::Start::anew : repose::dem::Start::where_stopped;
-  const repose::scene::RunSummary summary = run_into(
-      scene, options.output, {.progress = display.callback(), .request = request, .start = start});
+  const auto warn = [&](std::string_view text) {
+    display.finish();
+    fmt::print(stderr, "repose-dem: warning: {}\n", text);
+  };
+  const repose::scene::RunSummary summary =
+      run_into(scene, options.output,
+               {.progress = display.callback(), .request = request, .warn = warn, .start = start});
   display.finish();
   if (options.json)
     print_json(summary, options.output);

@@ -101,6 +101,7 @@ void Simulation::State::prepare() {
   skin = Skin(least_radius, options.skin_radii);
   rebuild_lists();
   dt = step;
+  watch_speed();
   compute_forces(0.0);
   kick_all(-0.5 * dt);
   walls.clear_loads();  // the forces at the start belong to no step

@@ -13,8 +13,6 @@
 
 namespace repose::dem {
 
-inline constexpr double kLargestOverlapRatio = 0.5;
-
 /// "(x, y, z) m", to the micrometre.
 std::string place_text(const Vec3& x);
 
@@ -36,6 +34,7 @@ struct Simulation::State {
   NeighborLists lists;
   ContactPool pool;
   LargestOverlap largest_overlap;  // since it was last taken
+  double largest_speed = 0.0;      // of any sphere when they were looked at
   WallContacts wall_contacts;
   std::int64_t wall_load_steps = 0;  // summed in the loads of walls
   scene::Ledger ledger;
@@ -86,8 +85,11 @@ struct Simulation::State {
   void restore_walls(const Checkpoint& saved);
   void restore_sums(const Checkpoint& saved);
   std::uint64_t hash() const;
-  void note_overlap(const DeepestOverlap& now);
-  std::string overlap_text(const DeepestOverlap& now) const;
+  void watch_overlap(const DeepestOverlap& now);
+  double allowed_overlap_ratio(const DeepestOverlap& now) const;
+  void watch_speed();
+  std::size_t fastest_sphere() const;
+  std::string overlap_text(const DeepestOverlap& now, double allowed) const;
   [[noreturn]] void lost(std::size_t i) const;
   std::string name_of(std::size_t i) const;
   std::string speed_and_time(std::size_t i) const;

@@ -12,6 +12,7 @@ namespace {
 constexpr double kLargestWallStep = 0.25;  // of the smallest radius, in one time step
 constexpr std::int64_t kStepsBetweenRain = 50;
 constexpr std::int64_t kStepsBetweenSorts = 1000;
+constexpr std::int64_t kStepsBetweenLooks = 64;  // at speeds
 
 }  // namespace
 
@@ -46,22 +47,7 @@ void Simulation::State::compute_forces(double history_dt) {
   if (scene.output.energy) count_dissipation(sum, history_dt);
   ++wall_load_steps;
   gather_loads(spheres, clumps);
-  note_overlap(now);
-}
-
-void Simulation::State::note_overlap(const DeepestOverlap& now) {
-  if (now.ratio() > largest_overlap.ratio()) {
-    const auto other = static_cast<std::size_t>(now.other);
-    largest_overlap = {now.overlap, now.radius, spheres.id[static_cast<std::size_t>(now.sphere)],
-                       now.is_wall ? now.other : spheres.id[other], now.is_wall};
-  }
-  if (now.ratio() <= kLargestOverlapRatio) return;
-  if (steps == 0)
-    throw InputError("at the start " + overlap_text(now) +
-                     "; move them apart, or the particle is larger than its container");
-  throw SimulationError(overlap_text(now) + ", " +
-                        speed_and_time(static_cast<std::size_t>(now.sphere)) +
-                        "; raise youngs_modulus_pa or lower the time step");
+  watch_overlap(now);
 }
 
 void Simulation::State::kick_all(double span) {
@@ -153,6 +139,7 @@ void Simulation::State::one_step() {
   keep_lists_valid(moved);
   if (!rains.empty() && steps % kStepsBetweenRain == 0) let_rain_fall();
   compute_forces(dt);
+  if (steps % kStepsBetweenLooks == 0) watch_speed();
 }
 
 /// Lists are rebuilt before a sphere has moved by half the skin, so that more than that and a
@@ -205,16 +192,6 @@ void Simulation::State::lost(std::size_t i) const {
                           " s; lower the time step (time_step_rayleigh_fraction)");
   throw SimulationError(name + " left the domain at " + place_text(x) + ", " + speed_and_time(i) +
                         "; close the gap in the walls, widen [domain] or lower the time step");
-}
-
-std::string Simulation::State::overlap_text(const DeepestOverlap& now) const {
-  const auto i = static_cast<std::size_t>(now.sphere);
-  const auto other = static_cast<std::size_t>(now.other);
-  const std::string partner =
-      now.is_wall ? "wall \"" + scene.walls[other].name + "\"" : name_of(other);
-  return name_of(i) + " at " + place_text(spheres.motion[i].x) + " overlaps " + partner + " by " +
-         shortest(std::round(100.0 * now.ratio())) +
-         " % of the smaller radius; at most 50 % is allowed";
 }
 
 }  // namespace repose::dem

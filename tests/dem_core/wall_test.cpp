@@ -159,21 +159,6 @@ TEST(Domain, LosingASphereNamesItItsPlaceAndSpeed) {
   }
 }
 
-TEST(Watchdog, DeepOverlapNamesTheSphere) {
-  scene::Case c = empty_case({.youngs_modulus = 1e4});
-  c.walls = {floor_plane()};
-  c.particles = {grain(0.01, {0, 0, 0.011}, {0, 0, -20})};
-  Simulation sim(c, {.time_step_s = 4e-5});
-  try {
-    sim.step(100000);
-    FAIL();
-  } catch (const SimulationError& error) {
-    const std::string text = error.what();
-    EXPECT_NE(text.find("sphere 0"), std::string::npos) << text;
-    EXPECT_NE(text.find("wall \"floor\""), std::string::npos) << text;
-  }
-}
-
 TEST(Simulation, RefusesWhatItCannotRun) {
   scene::Case c = empty_case({});
   EXPECT_THROW(Simulation(c).step(), InputError);  // no spheres

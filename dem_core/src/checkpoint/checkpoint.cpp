@@ -63,7 +63,7 @@ T attribute(const table::Attributes& attributes, const std::string& name) {
 }
 
 [[noreturn]] void damaged(const std::filesystem::path& file, const std::string& why) {
-  throw StorageError(file.string() + ": " + why + "; begin the run anew (--from-start)");
+  throw StorageError(file.string() + ": " + why + "; remove it or begin the run anew (--from-start)");
 }
 
 /// Lines of a case with the section that each belongs to.

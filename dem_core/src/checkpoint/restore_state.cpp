@@ -178,7 +178,7 @@ void Simulation::State::restore_bodies_and_lists(const Checkpoint& saved) {
   spheres.select(order);
   follow_order(spheres, clumps);
   restore_walls(saved);
-  least_radius = smallest_radius();
+  least_radius = saved.number("least_radius_m");
   skin = Skin(least_radius, options.skin_radii);
   rebuild_lists(Order::kept);
   begin_contacts(contacts_of(saved.table("/contacts")), spheres, lists.pairs, pool);
@@ -229,6 +229,7 @@ void Simulation::State::restore_sums(const Checkpoint& saved) {
   stored.normal_j = stored_then[0];
   stored.tangential_j = stored_then[1];
   stored.rolling_j = stored_then[2];
+  largest_speed = saved.number("largest_speed_m_s");
   const auto overlap = saved.numbers("largest_overlap_m", 2);
   largest_overlap = {.overlap_m = overlap[0],
                      .smaller_radius_m = overlap[1],

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "repose/base/text.hpp"
 #include "repose/scene/triangle_mesh.hpp"
@@ -19,6 +20,19 @@ std::string sizes_text(Simulation& sim) {
   return fmt::format("{} bodies of {} spheres of {} to {} m, {:.9g} kg", sim.ledger().alive,
                      spheres.size(), shortest(2.0 * smallest->radius_m),
                      shortest(2.0 * largest->radius_m), sim.mass_kg());
+}
+
+/// An impact's overlap goes with E^-0.4, that of a load with E^(-2/3): this is enough for both.
+double stiffening(double overlap_ratio) {
+  return std::pow(overlap_ratio / kSoftOverlap, 2.5);
+}
+
+std::int32_t material_of(std::int32_t sphere, Simulation& sim) {
+  const std::vector<Sphere> spheres = sim.spheres();
+  const auto found =
+      std::lower_bound(spheres.begin(), spheres.end(), sphere,
+                       [](const Sphere& candidate, std::int32_t id) { return candidate.id < id; });
+  return found != spheres.end() && found->id == sphere ? found->material : -1;
 }
 
 std::string law_text(const scene::ContactModel& model) {
@@ -97,6 +111,36 @@ bool awaits_rain(const scene::Case& scene, const std::string& stage, const Simul
     is_later = is_later || other.name == stage;
   }
   return outstanding_kg > later_kg * (1.0 + 1e-12);
+}
+
+DeepContact deep_contact(const scene::Case& scene, const LargestOverlap& overlap, Simulation& sim) {
+  const auto other = static_cast<std::size_t>(overlap.other);
+  return {overlap, sim.time_s(), material_of(overlap.sphere, sim),
+          overlap.is_at_wall ? scene::material_index(scene, scene.walls[other].material)
+                             : material_of(overlap.other, sim)};
+}
+
+std::string soft_contact_text(const scene::Case& scene, const DeepContact& contact) {
+  const LargestOverlap& overlap = contact.overlap;
+  const double factor = std::max(1.1, stiffening(overlap.ratio()));
+  std::vector<std::string> moduli;
+  const auto add_modulus = [&](std::int32_t m) {
+    if (m < 0) return;
+    const scene::Material& material = scene.materials[static_cast<std::size_t>(m)];
+    moduli.push_back(
+        fmt::format("{:.2g} for \"{}\"", factor * material.youngs_modulus_pa, material.name));
+  };
+  add_modulus(contact.material);
+  if (contact.partner != contact.material) add_modulus(contact.partner);
+  return fmt::format(
+      "contacts are soft: before {:.4g} s sphere {} overlapped {} by {:.3g} % of the smaller "
+      "radius; {:.2g} times the youngs_modulus_pa{} would keep that below {:.3g} %",
+      contact.time_s, overlap.sphere,
+      overlap.is_at_wall
+          ? "wall \"" + scene.walls[static_cast<std::size_t>(overlap.other)].name + '"'
+          : fmt::format("sphere {}", overlap.other),
+      100.0 * overlap.ratio(), factor, moduli.empty() ? "" : ", " + listed(moduli) + ",",
+      100.0 * kSoftOverlap);
 }
 
 std::vector<std::string> head_of_log(const scene::Case& scene, Simulation& sim) {

@@ -109,6 +109,7 @@ class Runner {
         sim_.steps(), sim_.rebuilds(), summary_.wall_time_s, cpu_s,
         now_.sphere_steps / std::max(cpu_s, 1e-9), summary_.bodies.inserted,
         summary_.bodies.removed, summary_.bodies.alive, summary_.state_hash));
+    if (now_.deepest.overlap.ratio() > kSoftOverlap) warn_of_soft_contact();
     writer_.finish(summary_);
   }
 
@@ -141,7 +142,7 @@ class Runner {
     summary_.spheres = static_cast<std::int64_t>(sim_.size());
     summary_.bodies = sim_.ledger();
     summary_.wall_time_s = watch_.wall_s();
-    summary_.largest_overlap_ratio = now_.largest_overlap_ratio;
+    summary_.largest_overlap_ratio = now_.deepest.overlap.ratio();
     summary_.state_hash = fmt::format("{:016x}", sim_.state_hash());
     summary_.engine = "repose-dem";
     summary_.version = version();
@@ -183,7 +184,7 @@ class Runner {
         "stage \"{}\" ended at {:.6g} s: {}; {} bodies, kinetic energy {:.4g} J, {} "
         "contacts, largest overlap so far {:.3g} of the radius",
         stage.name, sim_.time_s(), reason, sim_.ledger().alive, now_.last_row.kinetic_energy_j,
-        now_.last_row.contacts, now_.largest_overlap_ratio));
+        now_.last_row.contacts, now_.deepest.overlap.ratio()));
   }
 
   /// Nothing is at rest as long as rain is to fall.
@@ -249,14 +250,30 @@ class Runner {
     row.time_s = sim_.time_s();
     row.kinetic_energy_j = 0.0;
     for (const Body& body : bodies) row.kinetic_energy_j += body.kinetic_energy_j();
-    row.max_overlap_ratio = sim_.take_largest_overlap().ratio();
+    const LargestOverlap overlap = sim_.take_largest_overlap();
+    note(overlap);
+    row.max_overlap_ratio = overlap.ratio();
     row.contacts = static_cast<std::int64_t>(sim_.contacts());
     row.region_mass_kg = region_masses(scene_, bodies);
-    now_.largest_overlap_ratio = std::max(now_.largest_overlap_ratio, row.max_overlap_ratio);
     writer_.add_row(row);
     if (!scene_.walls.empty() && sim_.steps() > 0) writer_.add_row(wall_row_of(sim_));
     writer_.add_row(scene::ContactRow{sim_.time_s(), sim_.contact_statistics()});
     if (scene_.output.energy) writer_.add_row(sim_.energy());
+  }
+
+  /// Warns when contacts are soft for the first time; once more at the end, of the deepest.
+  void note(const LargestOverlap& overlap) {
+    if (overlap.ratio() <= now_.deepest.overlap.ratio()) return;
+    const bool was_soft = now_.deepest.overlap.ratio() > kSoftOverlap;
+    const bool is_soft = overlap.ratio() > kSoftOverlap;
+    now_.deepest = is_soft ? deep_contact(scene_, overlap, sim_) : DeepContact{overlap};
+    if (is_soft && !was_soft) warn_of_soft_contact();
+  }
+
+  void warn_of_soft_contact() {
+    const std::string text = soft_contact_text(scene_, now_.deepest);
+    writer_.log("warning: " + text);
+    if (control_.warn) control_.warn(text);
   }
 
   const scene::Case& scene_;

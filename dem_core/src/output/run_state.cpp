@@ -68,7 +68,15 @@ void add_to(Checkpoint& checkpoint, const RunState& state) {
   a["last_row_contacts"] = state.last_row.contacts;
   a["weight_scale_j"] = state.weight_scale_j;
   a["latest_end_s"] = state.latest_end_s;
-  a["run_largest_overlap_ratio"] = state.largest_overlap_ratio;
+  const LargestOverlap& overlap = state.deepest.overlap;
+  a["deepest"] = std::vector<double>{overlap.overlap_m,
+                                     overlap.smaller_radius_m,
+                                     state.deepest.time_s,
+                                     static_cast<double>(overlap.sphere),
+                                     static_cast<double>(overlap.other),
+                                     overlap.is_at_wall ? 1.0 : 0.0,
+                                     static_cast<double>(state.deepest.material),
+                                     static_cast<double>(state.deepest.partner)};
   a["sphere_steps"] = state.sphere_steps;
   a["wall_time_s"] = state.wall_time_s;
   a["processor_time_s"] = state.processor_time_s;
@@ -93,7 +101,10 @@ RunState run_state_of(const Checkpoint& checkpoint) {
                     checkpoint.table("/region_masses").numbers("mass")};
   state.weight_scale_j = checkpoint.number("weight_scale_j");
   state.latest_end_s = checkpoint.number("latest_end_s");
-  state.largest_overlap_ratio = checkpoint.number("run_largest_overlap_ratio");
+  const auto deepest = checkpoint.numbers("deepest", 8);
+  const auto whole = [&](std::size_t k) { return static_cast<std::int32_t>(deepest[k]); };
+  state.deepest = {
+      {deepest[0], deepest[1], whole(3), whole(4), whole(5) != 0}, deepest[2], whole(6), whole(7)};
   state.sphere_steps = checkpoint.number("sphere_steps");
   state.wall_time_s = checkpoint.number("wall_time_s");
   state.processor_time_s = checkpoint.number("processor_time_s");

@@ -1,6 +1,7 @@
 // How far a run has come, besides its simulation: what a checkpoint holds of it.
 #pragma once
 
+#include "output/records.hpp"
 #include "output/stage_end.hpp"
 #include "repose/dem/checkpoint.hpp"
 #include "repose/scene/run_output.hpp"
@@ -15,7 +16,7 @@ struct RunState {
   double weight_scale_j = 0.0;  ///< of that row
   double latest_end_s = 0.0;    ///< of the run, as known from what stages have ended
   std::vector<scene::StageEnd> ends;
-  double largest_overlap_ratio = 0.0;
+  DeepContact deepest;  ///< of the run
   double sphere_steps = 0.0;
   double wall_time_s = 0.0, processor_time_s = 0.0;
   scene::OutputPosition output;

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <string_view>
 
 #include "repose/base/error.hpp"
 #include "repose/base/progress.hpp"
@@ -25,6 +26,9 @@ struct RunControl {
   ProgressCallback progress{};
   /// Asked about twice a second, and answered at once.
   std::function<Request()> request{};
+  /// Told what a user should know and the log has too: contacts that are too soft, when the first
+  /// of them is seen, and of the deepest when the run has finished.
+  std::function<void(std::string_view)> warn{};
   Start start = Start::where_stopped;
 };
 

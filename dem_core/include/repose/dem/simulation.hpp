@@ -92,7 +92,8 @@ class Simulation {
   std::int32_t add_particle(const scene::Particle& particle);
 
   /// Advances n time steps. Throws SimulationError, naming sphere, place and speed, if one leaves
-  /// the domain, has no finite position or overlaps by more than half of its radius.
+  /// the domain, has no finite position, becomes ten times as fast as anything before, or overlaps
+  /// by more than 30 % of its radius and twice what an impact at the largest speed gives, or 50 %.
   void step(std::int64_t n = 1);
   /// Takes a wall, or all walls of a box, away. Throws InputError for an unknown name.
   void open(const std::string& wall);
