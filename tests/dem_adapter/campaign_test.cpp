@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "repose/base/error.hpp"
+#include "repose/scene/run_output.hpp"
 #include "synthetic_scenario.hpp"
 #include "temporary_directory.hpp"
 
@@ -67,6 +68,31 @@ TEST(Campaign, DoesARunAgainThatDidNotFinish) {
   EXPECT_EQ(campaign.run(cases(1)).front().measurement.kpis, outcome.measurement.kpis);
   EXPECT_EQ(engine.runs(), 2);
   EXPECT_FALSE(std::filesystem::exists(folder / "output" / "half a file"));
+}
+
+/// Is stopped at its first run, in the middle of its output; needs that to finish the second.
+class StoppedOnce {
+ public:
+  std::string name() const { return "stopped once"; }
+  EngineExit run(const EngineJob& job) const {
+    const auto output = job.directory / "output";
+    if (std::filesystem::exists(scene::checkpoint_file(output))) {
+      std::filesystem::rename(output / "half.txt", output / "kpis.txt");
+      return {.status = EngineStatus::finished};
+    }
+    std::filesystem::create_directories(output);
+    std::ofstream(output / "half.txt") << "1 2 3";
+    std::ofstream(scene::checkpoint_file(output)) << "state";
+    return {.status = EngineStatus::cancelled};
+  }
+};
+
+TEST(Campaign, LetsARunGoOnThatLeftACheckpoint) {
+  const test::TemporaryDirectory directory;
+  const Campaign campaign(directory.path(), StoppedOnce(), test::SyntheticEngine::measure,
+                          {.workers = 1});
+  EXPECT_THROW(campaign.run(cases(1)), Interrupted);
+  EXPECT_EQ(campaign.run(cases(1)).front().measurement.kpis.at("third"), 3.0);
 }
 
 TEST(Campaign, RecordsFailuresWithTheirReasonAndDoesNotRepeatThem) {

@@ -110,6 +110,19 @@ TEST(Program, OnAFullDiskFailsAndLosesNothing) {
   expect_same_output(folder.path / "straight", full);
 }
 
+TEST(Program, DoesNotRunWhereAnotherOneRuns) {
+  const TestFolder folder;
+  scene::write_case(folder.path / "case.toml", everything());
+  const fs::path run = folder.path / "run";
+  const pid_t first = start(folder.path / "case.toml", run);
+  wait_for(run / "log.txt", first);
+  EXPECT_EQ(end_of(start(folder.path / "case.toml", run)), 6);
+  EXPECT_EQ(end_of(first), 0);
+  EXPECT_FALSE(fs::exists(run / ".running"));
+  EXPECT_TRUE(fs::exists(run / "run.h5"));
+  EXPECT_EQ(end_of(start(folder.path / "case.toml", run)), 0);
+}
+
 TEST(Program, WritesACheckpointOnSigusr1AndGoesOn) {
   const TestFolder folder;
   scene::Case c = everything();

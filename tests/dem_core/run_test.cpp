@@ -183,6 +183,14 @@ TEST(RunCase, ThatFailsLeavesNoResult) {
   EXPECT_THROW(scene::read_run(scratch.path / "run"), StorageError);
 }
 
+TEST(RunCase, ThatCannotBeginSaysWhyInItsLog) {
+  const Scratch scratch;
+  scene::Case c = trap_door();
+  c.walls.push_back({"drum", "wall", scene::Mesh{.file = scratch.path / "nowhere.stl"}});
+  EXPECT_THROW(run_case(c, scratch.path / "run"), StorageError);
+  EXPECT_NE(read_file(scratch.path / "run" / "log.txt").find("failed: "), std::string::npos);
+}
+
 /// Exit code of the program with these arguments, output to log.
 int program(const std::string& arguments, const fs::path& log) {
   const std::string command =

@@ -73,7 +73,8 @@ void print_measurement(const SimulateOptions& options, const dem_adapter::Measur
   fmt::print("\n{} in {}\n", duration_text(seconds), options.output);
 }
 
-/// A folder may be new, empty, or hold the same run unfinished, which is then done again.
+/// A folder may be new, empty, or hold the same run unfinished, which then goes on from its
+/// checkpoint or, without one, begins anew.
 void claim(const std::filesystem::path& directory, const std::string& case_text) {
   if (!std::filesystem::exists(directory)) return;
   const bool folder = std::filesystem::is_directory(directory);
@@ -95,7 +96,6 @@ void simulate(const SimulateOptions& options) {
   claim(directory, case_text);
   const dem_adapter::BundledEngine engine;
   make_directory(directory);
-  std::filesystem::remove_all(directory / "output");
   write_file_atomically(directory / "case.toml", case_text);
   const auto exit = engine.run({.directory = directory,
                                 .time_limit_s = options.time_limit_s,

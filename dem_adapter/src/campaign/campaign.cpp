@@ -18,6 +18,7 @@
 #include "repose/base/file.hpp"
 #include "repose/base/text.hpp"
 #include "repose/base/thread_pool.hpp"
+#include "repose/scene/run_output.hpp"
 
 namespace repose::dem_adapter {
 
@@ -76,7 +77,8 @@ RunOutcome Campaign::run_one(const std::string& key, const std::string& case_tex
   if (cancelled()) throw Interrupted();
   const auto folder = directory_ / "runs" / key;
   std::error_code code;
-  std::filesystem::remove_all(folder / "output", code);  // of a run that did not finish
+  if (!std::filesystem::exists(scene::checkpoint_file(folder / "output")))
+    std::filesystem::remove_all(folder / "output", code);  // of a run that cannot go on
   if (code)
     throw StorageError(
         fmt::format("cannot remove '{}': {}", (folder / "output").string(), code.message()));

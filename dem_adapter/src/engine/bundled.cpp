@@ -23,7 +23,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr auto kPoll = std::chrono::milliseconds(5);
-constexpr double kGrace_s = 3.0;  // between SIGTERM and SIGKILL
+constexpr double kGrace_s = 10.0;  // between SIGTERM and SIGKILL, for its checkpoint
 
 bool is_executable(const std::filesystem::path& path) {
   return ::access(path.c_str(), X_OK) == 0 && !std::filesystem::is_directory(path);

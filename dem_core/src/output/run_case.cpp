@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "output/records.hpp"
+#include "output/run_lock.hpp"
 #include "output/run_state.hpp"
 #include "repose/base/error.hpp"
 #include "repose/base/text.hpp"
@@ -90,11 +91,22 @@ class Runner {
         control_(control),
         checkpoint_file_(scene::checkpoint_file(run_dir)),
         now_(saved ? run_state_of(*saved) : RunState{}),
-        sim_(saved ? Simulation(scene, *saved) : Simulation(scene)),
         goes_on_(saved.has_value()),
         writer_(saved ? scene::RunWriter(run_dir, scene, now_.output)
-                      : scene::RunWriter(run_dir, scene)) {
+                      : scene::RunWriter(run_dir, scene)),
+        sim_(begun(scene, saved, writer_)) {
     watch_.go_on_from(now_.wall_time_s, now_.processor_time_s);
+    last_checkpoint_s_ = watch_.wall_s();
+  }
+
+  static Simulation begun(const scene::Case& scene, const std::optional<Checkpoint>& saved,
+                          scene::RunWriter& writer) {
+    try {
+      return saved ? Simulation(scene, *saved) : Simulation(scene);
+    } catch (const std::exception& error) {
+      writer.log(std::string("failed: ") + error.what());
+      throw;
+    }
   }
 
   void run_all_stages() {
@@ -281,11 +293,11 @@ class Runner {
   std::filesystem::path checkpoint_file_;
   Stopwatch watch_;
   RunState now_;
-  Simulation sim_;
   bool goes_on_;
   scene::RunWriter writer_;
+  Simulation sim_;
   scene::RunSummary summary_;
-  double last_checkpoint_s_ = watch_.wall_s();
+  double last_checkpoint_s_ = 0.0;  // of wall time
   double dt_ = 0.0;
   std::int64_t series_every_ = 1;
   std::int64_t snapshot_every_ = 0;
@@ -296,6 +308,7 @@ class Runner {
 scene::RunSummary run_case(const scene::Case& scene, const std::filesystem::path& run_dir,
                            const RunControl& control) {
   scene::validate(scene);
+  const RunLock lock(run_dir);
   return Runner(scene, run_dir, control).run();
 }
 

@@ -13,7 +13,9 @@ namespace repose::dem_adapter {
 enum class EngineStreams { to_log, inherited };
 
 /// One simulation to be done. `directory` holds case.toml; the engine writes its output folder
-/// `directory`/output and its log `directory`/engine.log.
+/// `directory`/output and its log `directory`/engine.log. A run that was cancelled or timed out may
+/// leave a scene::checkpoint_file() in its output folder; then it finds the folder as it left it
+/// when it is run again, else there is none.
 struct EngineJob {
   std::filesystem::path directory;
   double time_limit_s = 0.0;        ///< 0: none

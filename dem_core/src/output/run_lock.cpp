@@ -1,0 +1,49 @@
+#include "output/run_lock.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "repose/base/error.hpp"
+#include "repose/base/file.hpp"
+
+namespace repose::dem {
+namespace {
+
+/// Whether the locked file is still the one of this name: its last holder may have removed it.
+bool is_current(int descriptor, const std::filesystem::path& file) {
+  struct stat locked {};
+  struct stat named {};
+  return ::fstat(descriptor, &locked) == 0 && ::stat(file.c_str(), &named) == 0 &&
+         locked.st_ino == named.st_ino && locked.st_dev == named.st_dev;
+}
+
+}  // namespace
+
+RunLock::RunLock(const std::filesystem::path& run_dir) : file_(run_dir / ".running") {
+  make_directory(run_dir);
+  for (;;) {
+    descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    if (descriptor_ < 0)
+      throw StorageError("cannot write in '" + run_dir.string() + "': " + std::strerror(errno));
+    const bool is_locked = ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0;
+    const bool is_held = !is_locked && errno == EWOULDBLOCK;
+    // Where a file system knows no locks, the run goes without.
+    if (!is_held && (!is_locked || is_current(descriptor_, file_))) return;
+    ::close(descriptor_);
+    if (is_held)
+      throw StorageError("another process is running in '" + run_dir.string() +
+                         "'; wait for it, end it or choose another folder");
+  }
+}
+
+RunLock::~RunLock() {
+  ::unlink(file_.c_str());  // before the lock is given back: nobody removes another's
+  ::close(descriptor_);
+}
+
+}  // namespace repose::dem

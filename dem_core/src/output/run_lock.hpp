@@ -1,0 +1,22 @@
+// One process at a time in a run folder.
+#pragma once
+
+#include <filesystem>
+
+namespace repose::dem {
+
+/// Holds RUN_DIR/.running, locked, while it lives; a process that is killed lets go of it.
+class RunLock {
+ public:
+  /// Creates the folder. Throws StorageError if another process runs there.
+  explicit RunLock(const std::filesystem::path& run_dir);
+  ~RunLock();
+  RunLock(const RunLock&) = delete;
+  RunLock& operator=(const RunLock&) = delete;
+
+ private:
+  std::filesystem::path file_;
+  int descriptor_ = -1;
+};
+
+}  // namespace repose::dem
