@@ -11,6 +11,7 @@
 //   {"op": "ei", "mean": m, "sd": s, "best": b}
 // Times are of the call alone; JSON is read and written outside of them.
 #include <chrono>
+#include <cmath>
 #include <exception>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -63,6 +64,9 @@ GaussianProcessOptions options_of(const json& request) {
   options.estimator = value_named(request, "estimator", options.estimator,
                                   {Estimator::ml, Estimator::reml, Estimator::loo});
   if (request.value("prior", "jointly-robust") == "none") options.prior = Prior::none;
+  options.parameter_uncertainty =
+      value_named(request, "parameter_uncertainty", options.parameter_uncertainty,
+                  {ParameterUncertainty::ignored, ParameterUncertainty::first_order});
   options.starts = request.value("starts", options.starts);
   return options;
 }
@@ -152,9 +156,11 @@ class Server {
     if (!with_values) return result;
     json& mean = result["mean"] = json::array();
     json& sd = result["sd"] = json::array();
-    for (const Gaussian& p : predicted) {
-      mean.push_back(p.mean);
-      sd.push_back(p.standard_deviation());
+    json& observation_sd = result["observation_sd"] = json::array();
+    for (const Prediction& p : model_->predictions(points_)) {
+      mean.push_back(p.function.mean);
+      sd.push_back(p.function.standard_deviation());
+      observation_sd.push_back(std::sqrt(p.observation_variance));
     }
     return result;
   }

@@ -60,7 +60,7 @@ class Repose:
     def predict(self, x):
         self.ask(op='points', x=x.tolist())
         answer = self.ask(op='predict', values=True)
-        return np.array(answer['mean']), np.array(answer['sd'])
+        return tuple(np.array(answer[key]) for key in ('mean', 'sd', 'observation_sd'))
 
 
 def limited(call):

@@ -1,5 +1,7 @@
 #include "correlation.hpp"
 
+#include <cmath>
+
 namespace repose::surrogate {
 
 Matrix cross_correlation(const Correlator& correlator, const Matrix& x, const Matrix& q) {
@@ -12,6 +14,51 @@ Matrix cross_correlation(const Correlator& correlator, const Matrix& x, const Ma
     loops.correlate(correlator.correlation, correlator.alpha, x.rows(), column, {});
   }
   return r;
+}
+
+CrossCorrelation::CrossCorrelation(const Correlator& correlator, const Matrix& x, const Matrix& q)
+    : r(x.rows(), q.rows()), slope(x.rows(), q.rows()), r2(x.rows(), q.rows()) {
+  const Dense& loops = dense();
+  const bool has_alpha = correlator.correlation == Correlation::rational_quadratic;
+  if (has_alpha) alpha_slope.resize(x.rows(), q.rows());
+  for (Eigen::Index j = 0; j < q.rows(); ++j) {
+    loops.squared_distances(x.data(), x.rows(), x.rows(), x.cols(), q.data() + j, q.rows(),
+                            correlator.weight.data(), r2.col(j).data());
+    r.col(j) = r2.col(j);
+    loops.correlate(correlator.correlation, correlator.alpha, x.rows(), r.col(j).data(),
+                    {slope.col(j).data(), has_alpha ? alpha_slope.col(j).data() : nullptr});
+  }
+}
+
+SecondSlopes::SecondSlopes(const Correlator& correlator, const CrossCorrelation& k) {
+  const auto r2 = k.r2.col(0).array();
+  const auto g = k.slope.col(0).array();
+  const Eigen::ArrayXd distance = r2.sqrt();
+  const auto unless_zero = [&r2](const Eigen::ArrayXd& values) -> Vector {
+    return (r2 > 0.0).select(values, 0.0);
+  };
+  switch (correlator.correlation) {
+    case Correlation::exponential:
+      scale = unless_zero(-0.5 * g * (1.0 + distance) / r2);
+      return;
+    case Correlation::matern32:
+      scale = unless_zero(-0.5 * std::sqrt(3.0) * g / distance);
+      return;
+    case Correlation::matern52:
+      scale = -2.5 * g / (1.0 + std::sqrt(5.0) * distance);
+      return;
+    case Correlation::squared_exponential:
+      scale = -0.5 * g;
+      return;
+    case Correlation::rational_quadratic:
+      break;
+  }
+  const double a = correlator.alpha;
+  const Eigen::ArrayXd s = r2 / (2.0 * a);
+  scale = -(a + 1.0) / (2.0 * a) * g / (1.0 + s);
+  // of alpha R (s/(1 + s) - log(1 + s)) with dR/dr^2 = -g/2
+  alpha = -0.5 * a * g * (s / (1.0 + s) - s.log1p()) -
+          0.5 * k.r.col(0).array() * s / (1.0 + s).square();
 }
 
 void fill_correlation(const Correlator& correlator, const Matrix& x, Matrix& lower, Matrix& slope,

@@ -16,6 +16,25 @@ struct Correlator {
 /// n x m correlations between the rows of x (n x d) and of q (m x d).
 Matrix cross_correlation(const Correlator& correlator, const Matrix& x, const Matrix& q);
 
+/// The same with its slopes (see Slopes), n x m each; alpha's for the rational quadratic only.
+struct CrossCorrelation {
+  Matrix r;
+  Matrix slope;
+  Matrix alpha_slope;
+  Matrix r2;  ///< n x m squared distances in length scales
+
+  CrossCorrelation(const Correlator& correlator, const Matrix& x, const Matrix& q);
+};
+
+/// Derivatives of the slopes in r^2, those to one point (column 0); 0 at distance 0, where they are
+/// multiplied by it.
+struct SecondSlopes {
+  Vector scale;
+  Vector alpha;
+
+  SecondSlopes(const Correlator& correlator, const CrossCorrelation& k);
+};
+
 /// Lower triangle with unit diagonal; the rest is left alone. Of the slopes, n x n, only what lies
 /// below the diagonal is filled; empty matrices are not wanted.
 void fill_correlation(const Correlator& correlator, const Matrix& x, Matrix& lower, Matrix& slope,

@@ -52,6 +52,70 @@ void check(const Hyperparameters& p, Eigen::Index scales, Noise noise) {
         fmt::format("a noise variance of {} for a model without noise", p.noise_variance));
 }
 
+using State = ModelAccess::State;
+
+/// The model at these log parameters.
+void adopt(State& s, const NegativeLogPosterior& objective, const Vector& p) {
+  s.covariance = objective.covariance(p);
+  s.factor = make_factor(s.data, s.covariance);
+  s.amplitude = objective.amplitude(p, s.covariance, s.factor);
+}
+
+double left_out_log_density(const State& s) {
+  return ModelAccess::make(s).leave_one_out().log_density;
+}
+
+/// The same with the length scales of inert inputs held.
+SearchSpace without_inert(const SearchSpace& space, const Vector& p,
+                          const NegativeLogPosterior& objective, const Dataset& data) {
+  SearchSpace held = space;
+  const std::vector<FittedParameter> found = describe(p, space, objective, data);
+  for (Eigen::Index k = 0; k < p.size(); ++k)
+    if (found[static_cast<std::size_t>(k)].state == ParameterState::inert)
+      held.bounds.lower[k] = held.bounds.upper[k] = p[k];
+  return held;
+}
+
+/// The jointly robust prior first finds the inputs without effect; once these are out its rate
+/// flattens functions that vary much in all others, and a weaker one is tried over them. The model
+/// that better predicts what is left out is kept. (As the relaxed lasso does [Meinshausen2007].)
+void find_parameters(State& s, const NegativeLogPosterior& objective, const SearchSpace& space,
+                     const GaussianProcessOptions& options) {
+  opt::Minimum best = search(objective, space, s.data, options);
+  adopt(s, objective, best.x);
+  const NegativeLogPosterior weaker(s.data, options, amplitude_of(options), PriorRate::by_scale);
+  const NegativeLogPosterior* chosen = &objective;
+  if (options.prior == Prior::jointly_robust && s.data.encoding.scales() > 1) {
+    const opt::Minimum other =
+        search(weaker, without_inert(space, best.x, objective, s.data), s.data, options);
+    best.evaluations += other.evaluations;
+    State candidate = s;
+    adopt(candidate, weaker, other.x);
+    if (left_out_log_density(candidate) > left_out_log_density(s)) {
+      s.covariance = std::move(candidate.covariance);
+      s.factor = std::move(candidate.factor);
+      s.amplitude = candidate.amplitude;
+      best.x = other.x;
+      best.termination = other.termination;
+      best.message = other.message;
+      chosen = &weaker;
+    }
+  }
+  s.report.termination = best.termination;
+  s.report.message = best.message;
+  s.report.evaluations = best.evaluations;
+  s.report.parameters = describe(best.x, space, *chosen, s.data);
+  if (options.parameter_uncertainty == ParameterUncertainty::ignored ||
+      s.estimator == Estimator::loo)
+    return;
+  s.parameters = approximate_posterior(
+      *chosen, best.x, space.bounds,
+      {.observations = effective_observations(s.data, s.covariance.noise_ratio),
+       .coefficients = static_cast<double>(s.factor.beta.size()),
+       .estimator = s.estimator});
+  s.find_sensitivity();
+}
+
 }  // namespace
 
 GaussianProcess::GaussianProcess(std::shared_ptr<const State> state) : state_(std::move(state)) {}
@@ -70,23 +134,17 @@ GaussianProcess GaussianProcess::fit(const Matrix& x, const Vector& y,
 
   const NegativeLogPosterior objective(s.data, options, amplitude_of(options));
   const SearchSpace space = make_search_space(objective, s.data, options);
-  const bool nothing_left = !objective.searches_amplitude() && trend_explains(s.data);
-  Vector p = default_parameters(objective, space);
-  if (nothing_left) {
+  if (!objective.searches_amplitude() && trend_explains(s.data)) {
+    const Vector p = default_parameters(objective, space);
+    adopt(s, objective, p);
+    s.amplitude = 0.0;
+    s.report.parameters = describe(p, space, objective, s.data);
     s.report.message = options.basis == Basis::constant && options.functions.names.empty()
                            ? "the response is constant; nothing to fit"
                            : "the trend explains the response; nothing to fit";
   } else {
-    const opt::Minimum minimum = search(objective, space, s.data, options);
-    p = minimum.x;
-    s.report.termination = minimum.termination;
-    s.report.message = minimum.message;
-    s.report.evaluations = minimum.evaluations;
+    find_parameters(s, objective, space, options);
   }
-  s.covariance = objective.covariance(p);
-  s.factor = make_factor(s.data, s.covariance);
-  s.amplitude = nothing_left ? 0.0 : objective.amplitude(p, s.covariance, s.factor);
-  s.report.parameters = describe(p, space, objective, s.data);
   s.report.jitter = s.factor.jitter;
   s.report.instruction_set = dense().name;
   s.report.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
@@ -159,10 +217,12 @@ GaussianProcess GaussianProcess::condition_on(const Vector& x, double y) const {
       grown.l.row(n).head(n) = k;
       grown.l(n, n) = std::sqrt(pivot);
       s.factor = complete(s.data, std::move(grown));
+      s.find_sensitivity();
       return ModelAccess::make(std::move(s));
     }
   }
   s.factor = make_factor(s.data, s.covariance);
+  s.find_sensitivity();
   s.report.jitter = s.factor.jitter;
   return ModelAccess::make(std::move(s));
 }

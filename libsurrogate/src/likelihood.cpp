@@ -35,12 +35,13 @@ Vector mean_distances(const Dataset& data) {
 
 NegativeLogPosterior::NegativeLogPosterior(const Dataset& data,
                                            const GaussianProcessOptions& options,
-                                           Amplitude amplitude)
+                                           Amplitude amplitude, PriorRate prior_rate)
     : data_(data),
       correlation_(options.kernel.correlation),
       noise_(options.noise),
       estimator_(options.estimator),
       prior_(options.prior),
+      prior_rate_(prior_rate),
       amplitude_(amplitude),
       mean_distance_(mean_distances(data)) {}
 
@@ -219,13 +220,15 @@ void NegativeLogPosterior::add_gradient(Evaluation& e, double prior_by_noise,
 }
 
 /// -log pi, log pi = a log t - b t, t = sum_k C_k / l_k + noise ratio (where it is estimated), a =
-/// 0.2, b = n^(-1/s) (a + s), s length scales [Gu2019], in its own parameters: no Jacobian of the
-/// logarithms.
+/// 0.2, in its own parameters: no Jacobian of the logarithms. With s length scales b = n^(-1/s) (a
+/// + s) [Gu2019], so that t is n^(1/s) on the mean of pi; PriorRate::by_scale b/s: each C_k/l_k is.
 double NegativeLogPosterior::prior(const Covariance& c, Vector* gradient, double& by_noise) const {
   const Eigen::Index s = data_.encoding.scales();
   const auto scales = static_cast<double>(s);
   constexpr double kA = 0.2;
-  const double b = std::pow(static_cast<double>(data_.points()), -1.0 / scales) * (kA + scales);
+  const double shares = prior_rate_ == PriorRate::by_scale ? scales : 1.0;
+  const double b =
+      std::pow(static_cast<double>(data_.points()), -1.0 / scales) * (kA + scales) / shares;
   const Vector part = mean_distance_.array() / c.length_scales.array();
   const double noise = estimates_noise() ? c.noise_ratio : 0.0;
   const double t = part.sum() + noise;

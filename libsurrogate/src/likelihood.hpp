@@ -10,6 +10,12 @@ namespace repose::surrogate {
 /// never penalised), or is a parameter itself.
 enum class Amplitude { profiled, searched };
 
+/// Of the jointly robust prior against short length scales, see prior().
+enum class PriorRate {
+  of_all,   ///< that of [Gu2019]
+  by_scale  ///< the weaker
+};
+
 /// Log parameters are, in this order: log length scales (units of the coordinates); log alpha, for
 /// the rational quadratic; then, in units of the dataset,
 /// - amplitude profiled: log noise ratio, where the noise is estimated;
@@ -18,7 +24,8 @@ enum class Amplitude { profiled, searched };
 class NegativeLogPosterior {
  public:
   NegativeLogPosterior(const Dataset& data, const GaussianProcessOptions& options,
-                       Amplitude amplitude = Amplitude::profiled);
+                       Amplitude amplitude = Amplitude::profiled,
+                       PriorRate prior_rate = PriorRate::of_all);
 
   /// +infinity where the covariance cannot be factored. Flops: n^3/3 for the value, n^3 with the
   /// gradient (Cholesky factor, its inverse, their product), loo n^3/3 and 2 n^3; and 3/2 n^2 p for
@@ -76,6 +83,7 @@ class NegativeLogPosterior {
   Noise noise_;
   Estimator estimator_;
   Prior prior_;
+  PriorRate prior_rate_;
   Amplitude amplitude_;
   Vector mean_distance_;
 };

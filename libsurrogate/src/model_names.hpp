@@ -12,7 +12,7 @@
 namespace repose::surrogate::model_names {
 
 inline constexpr const char* kModel = "gaussian-process";
-inline constexpr std::int64_t kVersion = 2;
+inline constexpr std::int64_t kVersion = 3;
 inline constexpr std::array kTerminations{opt::Termination::converged, opt::Termination::budget,
                                           opt::Termination::round_off, opt::Termination::failed};
 inline constexpr std::array kStates{ParameterState::converged, ParameterState::at_lower_bound,
@@ -31,6 +31,9 @@ inline std::string natural_column(Eigen::Index k) {
 }
 inline std::string encoded_column(Eigen::Index k) {
   return fmt::format("u{}", k + 1);
+}
+inline std::string root_column(Eigen::Index k) {
+  return fmt::format("root{}", k + 1);
 }
 
 }  // namespace repose::surrogate::model_names

@@ -218,6 +218,24 @@ FitReport read_report(const Reader& file) {
   return report;
 }
 
+/// Parameters are taken as known by models of earlier versions.
+ParameterPosterior read_parameter_posterior(const Reader& file, const State& s) {
+  ParameterPosterior posterior;
+  if (file.version() < 3) return posterior;
+  posterior.variance_factor = file.get<double>("variance_factor");
+  file.check(posterior.variance_factor >= 1.0 && std::isfinite(posterior.variance_factor),
+             "the variance factor is below 1 or not finite");
+  if (!file.has_table("/parameter_uncertainty")) return posterior;
+  const Table t = file.read("/parameter_uncertainty");
+  file.check(static_cast<Eigen::Index>(t.rows()) == shape_parameters(s.data, s.covariance),
+             "/parameter_uncertainty has not a row for each parameter");
+  posterior.root.resize(static_cast<Eigen::Index>(t.rows()),
+                        static_cast<Eigen::Index>(t.columns().size()));
+  for (Eigen::Index k = 0; k < posterior.root.cols(); ++k)
+    posterior.root.col(k) = vector_of(t.numbers(root_column(k)));
+  return posterior;
+}
+
 NamedModel read_model(const Reader& file, BasisFunctions functions) {
   const Table inputs = file.read("/inputs");
   State s;
@@ -228,6 +246,8 @@ NamedModel read_model(const Reader& file, BasisFunctions functions) {
   s.estimator = file.choice(file.get<std::string>("estimator"), kEstimators);
   s.factor =
       complete(s.data, {read_factor(file, s.data.points()), file.positive_or_zero("jitter")});
+  s.parameters = read_parameter_posterior(file, s);
+  s.find_sensitivity();
   s.report = read_report(file);
   return {ModelAccess::make(std::move(s)), inputs.texts("name"), file.get<std::string>("response")};
 }

@@ -43,6 +43,7 @@ table::Attributes file_attributes(const NamedModel& named) {
           {"amplitude", s.amplitude},
           {"noise_ratio", s.covariance.noise_ratio},
           {"jitter", s.factor.jitter},
+          {"variance_factor", s.parameters.variance_factor},
           {"fit_termination", std::string(to_string(s.report.termination))},
           {"fit_message", s.report.message},
           {"fit_evaluations", static_cast<std::int64_t>(s.report.evaluations)},
@@ -136,6 +137,14 @@ Table factor_table(const Matrix& l) {
   return t;
 }
 
+/// A row a parameter that shapes the covariance, a column an independent direction.
+Table uncertainty_table(const State& s) {
+  Table t;
+  for (Eigen::Index k = 0; k < s.parameters.root.cols(); ++k)
+    add(t, root_column(k), doubles(s.parameters.root.col(k)));
+  return t;
+}
+
 Table parameters_table(const std::vector<FittedParameter>& parameters) {
   std::vector<std::string> name;
   std::vector<std::string> state;
@@ -180,6 +189,7 @@ void save_model(const std::filesystem::path& path, const NamedModel& model) {
   add_if_any("/levels", levels_table(s.data.encoding, model.inputs));
   add_if_any("/trend", trend_table(s, model.model));
   add_if_any("/functions", functions_table(s.data.trend.functions.names));
+  add_if_any("/parameter_uncertainty", uncertainty_table(s));
   add_if_any("/parameters", parameters_table(s.report.parameters));
   table::write_tables(path, tables, file_attributes(model));
 }

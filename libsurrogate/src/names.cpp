@@ -26,6 +26,11 @@ const char* name(const char* const (&names)[N], Enum value) {
 
 }  // namespace
 
+const char* to_string(ParameterUncertainty uncertainty) {
+  constexpr const char* kNames[] = {"ignored", "first-order"};
+  return name(kNames, uncertainty);
+}
+
 const char* to_string(Kernel kernel) {
   const std::size_t offset = kernel.length_scales == LengthScales::shared ? 0 : 5;
   return kCorrelations[offset + static_cast<std::size_t>(kernel.correlation)];

@@ -11,8 +11,16 @@ Posterior::Posterior(const ModelAccess::State& s, const Matrix& natural) {
     throw InputError(fmt::format("a prediction at points of {} inputs; the model has {}",
                                  natural.cols(), s.data.dimension()));
   at = s.data.encoding.encode(natural);
-  v = cross_correlation(s.covariance.correlator(s.data.encoding), s.data.x, at);
+  const Correlator correlator = s.covariance.correlator(s.data.encoding);
   const Matrix h = trend_matrix(s.data.trend, s.data.encoding, natural, at);
+  if (s.sensitivity.is_empty()) {
+    v = cross_correlation(correlator, s.data.x, at);
+    e.resize(0, at.rows());
+  } else {
+    CrossCorrelation k(correlator, s.data.x, at);
+    e = s.sensitivity.at(s.data, correlator, s.factor.alpha, at, h, k);
+    v = std::move(k.r);
+  }
   mean = h * s.factor.beta + v.transpose() * s.factor.alpha;
   dense().solve_lower(s.factor.l.data(), v.rows(), v.data(), v.cols());
   t.resize(h.cols(), at.rows());
@@ -25,6 +33,7 @@ Vector Posterior::covariance_with(const ModelAccess::State& s, Eigen::Index j) c
   Vector c = cross_correlation(s.covariance.correlator(s.data.encoding), at, at.row(j));
   c.noalias() -= v.transpose() * v.col(j);
   c.noalias() += t.transpose() * t.col(j);
+  c.noalias() += e.transpose() * e.col(j);
   return c;
 }
 

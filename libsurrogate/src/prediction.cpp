@@ -19,14 +19,13 @@ constexpr double kFarFromData = 0.8 * 0.8;  // of the process variance
 struct Block {
   Vector mean;
   Vector kriging_variance;
-  Vector trend_variance;
+  Vector variance;
 };
 
 /// On the scale that is modelled.
 Gaussian modelled_at(const State& s, const Block& block, Eigen::Index i) {
-  const double variance = std::max(0.0, block.kriging_variance[i] + block.trend_variance[i]);
   return {s.data.shift + s.data.scale * block.mean[i],
-          s.data.scale * s.data.scale * s.amplitude * variance};
+          s.predicted_amplitude() * std::max(0.0, block.variance[i])};
 }
 
 template <class Use>
@@ -34,7 +33,7 @@ void for_each_row(const State& s, const Matrix& x, const Use& use) {
   for (Eigen::Index begin = 0; begin < x.rows(); begin += kBlock) {
     const Eigen::Index size = std::min(kBlock, x.rows() - begin);
     const Posterior posterior(s, x.middleRows(begin, size));
-    const Block block{posterior.mean, posterior.kriging_variance(), posterior.trend_variance()};
+    const Block block{posterior.mean, posterior.kriging_variance(), posterior.variance()};
     for (Eigen::Index i = 0; i < size; ++i) use(block, i, begin + i);
   }
 }
@@ -57,7 +56,7 @@ Gaussian GaussianProcess::predict(const Vector& x) const {
 
 std::vector<Prediction> GaussianProcess::predictions(const Matrix& x) const {
   const State& s = *state_;
-  const double noise = noise_variance();
+  const double noise = noise_variance() * s.parameters.variance_factor;
   std::vector<Prediction> result;
   result.reserve(static_cast<std::size_t>(x.rows()));
   for_each_row(s, x, [&](const Block& block, Eigen::Index i, Eigen::Index row) {
@@ -80,11 +79,12 @@ Matrix GaussianProcess::covariance(const Matrix& a, const Matrix& b) const {
   Matrix c = cross_correlation(s.covariance.correlator(s.data.encoding), at_a.at, at_b.at);
   c.noalias() -= at_a.v.transpose() * at_b.v;
   c.noalias() += at_a.t.transpose() * at_b.t;
-  const double unit = s.data.scale * s.data.scale * s.amplitude;
+  c.noalias() += at_a.e.transpose() * at_b.e;
+  const double unit = s.predicted_amplitude();
   if (s.data.response_scale == ResponseScale::linear) return unit * c;
   // sd of y / sd of the modelled response, where that is known to vary
   const auto stretch = [&](const Posterior& p) {
-    const Vector variance = unit * (p.kriging_variance() + p.trend_variance());
+    const Vector variance = unit * p.variance();
     Vector factor = Vector::Zero(variance.size());
     for (Eigen::Index i = 0; i < factor.size(); ++i)
       if (variance[i] > 0.0)
@@ -108,35 +108,39 @@ opt::PredictionGradient GaussianProcess::predict_gradient(const Vector& x) const
   const Matrix natural = x.transpose();
   const Matrix q = encoding.encode(natural);
   const Correlator correlator = s.covariance.correlator(encoding);
-  const Eigen::Index n = s.data.points();
-  Vector w(n);
-  Vector slope(n);
-  dense().squared_distances(s.data.x.data(), n, n, encoding.coordinates(), q.data(), 1,
-                            correlator.weight.data(), w.data());
-  dense().correlate(correlator.correlation, correlator.alpha, n, w.data(), {.scale = slope.data()});
+  const CrossCorrelation k(correlator, s.data.x, q);
   const Vector h = trend_matrix(s.data.trend, encoding, natural, q).row(0);
-  const double mean = h.dot(s.factor.beta) + w.dot(s.factor.alpha);
+  const double mean = h.dot(s.factor.beta) + k.r.col(0).dot(s.factor.alpha);
+  Vector w = k.r.col(0);
   s.factor.l.triangularView<Eigen::Lower>().solveInPlace(w);
   const Vector t =
       s.factor.u.transpose().triangularView<Eigen::Lower>().solve(h) - s.factor.q1.transpose() * w;
-  const double variance = std::max(0.0, 1.0 - w.squaredNorm() + t.squaredNorm());
+  Vector e;
+  if (!s.sensitivity.is_empty())
+    e = s.sensitivity.at(s.data, correlator, s.factor.alpha, q, h.transpose(), k);
+  const double variance = std::max(0.0, 1.0 - w.squaredNorm() + t.squaredNorm() + e.squaredNorm());
   const Vector by_k =
       -2.0 * s.factor.l.transpose().triangularView<Eigen::Upper>().solve(w + s.factor.q1 * t);
-  const Vector by_h = 2.0 * s.factor.u.triangularView<Eigen::Upper>().solve(t);
+  Vector by_h = 2.0 * s.factor.u.triangularView<Eigen::Upper>().solve(t);
+  Vector by_u = Vector::Zero(encoding.coordinates());
+  if (!s.sensitivity.is_empty()) {
+    by_h += s.sensitivity.squared_by_trend(e);
+    by_u = s.sensitivity.squared_by_coordinates(s.data, correlator, s.factor.alpha, q, k, e);
+  }
 
   const Matrix jacobian = trend_jacobian(s.data.trend, encoding, x, q.row(0));
   Vector d_mean = jacobian.transpose() * s.factor.beta;
   Vector d_variance = jacobian.transpose() * by_h;
   for (Eigen::Index p = 0; p < encoding.coordinates(); ++p) {
-    const Eigen::Index k = encoding.input_of(p);
-    const double chain = encoding.derivative(k, x[k]);
+    const Eigen::Index i = encoding.input_of(p);
+    const double chain = encoding.derivative(i, x[i]);
     if (chain == 0.0) continue;
     const Vector dk = (-correlator.weight[p] * chain) *
-                      (slope.array() * (q(0, p) - s.data.x.col(p).array())).matrix();
-    d_mean[k] += dk.dot(s.factor.alpha);
-    d_variance[k] += dk.dot(by_k);
+                      (k.slope.col(0).array() * (q(0, p) - s.data.x.col(p).array())).matrix();
+    d_mean[i] += dk.dot(s.factor.alpha);
+    d_variance[i] += dk.dot(by_k) + chain * by_u[p];
   }
-  const double unit = s.data.scale * s.data.scale * s.amplitude;
+  const double unit = s.predicted_amplitude();
   d_mean *= s.data.scale;
   d_variance *= unit;
   const Moments m =

@@ -30,7 +30,7 @@ struct LowRank {
 /// Pivoted Cholesky: the column of largest remaining variance next [Harbrecht2012].
 LowRank pivoted_cholesky(const State& s, const Posterior& posterior) {
   LowRank result;
-  result.rest = (posterior.kriging_variance() + posterior.trend_variance()).cwiseMax(0.0);
+  result.rest = posterior.variance().cwiseMax(0.0);
   const double enough = kLeftOver * result.rest.sum();
   const Eigen::Index most = std::min(kMostColumns, result.rest.size());
   result.f.resize(result.rest.size(), most);
@@ -149,7 +149,7 @@ Matrix joint_sample(const GaussianProcess& model, const Matrix& x, Eigen::Index 
   if (draws < 1) throw InputError(fmt::format("{} draws; there must be at least 1", draws));
   const Posterior posterior(s, x);
   const LowRank covariance = pivoted_cholesky(s, posterior);
-  const double sd = std::sqrt(s.amplitude);
+  const double sd = std::sqrt(s.amplitude * s.parameters.variance_factor);
   const Vector rest = covariance.rest.cwiseSqrt();
   Matrix z(covariance.f.cols(), draws);
   Matrix f(x.rows(), draws);
@@ -223,10 +223,11 @@ PartialDependence partial_dependence(const GaussianProcess& model, Eigen::Index 
     const Posterior p(s, x);
     const double prior =
         cross_correlation(s.covariance.correlator(s.data.encoding), p.at, p.at).mean();
-    const double variance =
-        prior - p.v.rowwise().mean().squaredNorm() + p.t.rowwise().mean().squaredNorm();
+    const double variance = prior - p.v.rowwise().mean().squaredNorm() +
+                            p.t.rowwise().mean().squaredNorm() + p.e.rowwise().mean().squaredNorm();
     const double mean = p.mean.mean();
-    const double half = kNormal95 * std::sqrt(s.amplitude * std::max(0.0, variance));
+    const double half =
+        kNormal95 * std::sqrt(s.amplitude * s.parameters.variance_factor * std::max(0.0, variance));
     result.x.push_back(at);
     result.mean.push_back(natural(mean));
     result.lower.push_back(natural(mean - half));

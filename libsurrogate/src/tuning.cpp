@@ -70,6 +70,7 @@ class Tuner {
     options_.noise = Noise::estimated;
     options_.estimator = Estimator::ml;
     options_.prior = Prior::none;
+    options_.parameter_uncertainty = ParameterUncertainty::ignored;
     for (Eigen::Index k = 0; k < x.cols(); ++k) {
       const Input& input = inputs[static_cast<std::size_t>(k)];
       const Vector u = input.is_categorical() ? Vector(x.col(k)) : modelled_column(x, input, k);

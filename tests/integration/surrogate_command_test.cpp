@@ -151,7 +151,7 @@ TEST(ModelFile, IsReadByH5py) {
       0);
   const json read = json::parse(text_of(bench / "read.json"));
   EXPECT_EQ(read.at("kernel"), fit.at("kernel"));
-  EXPECT_EQ(read.at("version"), 2);
+  EXPECT_EQ(read.at("version"), 3);
   EXPECT_EQ(read.at("names"), fit.at("inputs"));
   EXPECT_EQ(read.at("points"), 36);
   EXPECT_EQ(read.at("factor"), 36 * 37 / 2);

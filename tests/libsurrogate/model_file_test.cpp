@@ -197,20 +197,21 @@ TEST_F(ModelFile, RefusesANewerVersionAndEveryMissingPart) {
   saved_and_loaded(fitted());
   const table::Attributes attributes = table::read_attributes({path_, "/"});
   std::vector<std::pair<std::string, table::Table>> parts;
-  for (const char* group : {"/inputs", "/points", "/rows", "/length_scales", "/factor"})
+  for (const char* group :
+       {"/inputs", "/points", "/rows", "/length_scales", "/factor", "/parameter_uncertainty"})
     parts.emplace_back(group, table::read_table({path_, group}));
 
   table::Attributes newer = attributes;
-  newer["model_version"] = std::int64_t{3};
+  newer["model_version"] = std::int64_t{4};
   table::write_tables(path_, parts, newer);
-  EXPECT_NE(message_of_loading().find("version is 3"), std::string::npos);
-  for (std::size_t missing = 0; missing < parts.size(); ++missing) {
+  EXPECT_NE(message_of_loading().find("version is 4"), std::string::npos);
+  for (std::size_t missing = 0; missing + 1 < parts.size(); ++missing) {  // the last may be absent
     auto some = parts;
     some.erase(some.begin() + static_cast<std::ptrdiff_t>(missing));
     table::write_tables(path_, some, attributes);
     EXPECT_NE(message_of_loading(), "no StorageError") << parts[missing].first;
   }
-  for (const char* name : {"kernel", "shift", "amplitude", "fit_message"}) {
+  for (const char* name : {"kernel", "shift", "amplitude", "variance_factor", "fit_message"}) {
     table::Attributes fewer = attributes;
     fewer.erase(name);
     table::write_tables(path_, parts, fewer);
@@ -220,6 +221,10 @@ TEST_F(ModelFile, RefusesANewerVersionAndEveryMissingPart) {
   shorter[4].second = shorter[4].second.selected_rows({0, 1, 2});
   table::write_tables(path_, shorter, attributes);
   EXPECT_NE(message_of_loading().find("wrong length"), std::string::npos);
+  shorter = parts;
+  shorter[5].second = shorter[5].second.selected_rows({0});
+  table::write_tables(path_, shorter, attributes);
+  EXPECT_NE(message_of_loading().find("a row for each parameter"), std::string::npos);
 }
 
 }  // namespace

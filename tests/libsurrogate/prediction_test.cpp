@@ -57,6 +57,17 @@ TEST(PredictGradient, EqualsDifferencesForEveryKernelAndBasis) {
     }
 }
 
+TEST(PredictGradient, EqualsDifferencesWhereParametersAreUncertain) {
+  const Sample s;
+  for (const Kernel kernel : all_kernels())
+    for (const Basis basis : {Basis::constant, Basis::quadratic}) {
+      const auto gp =
+          GaussianProcess::fit(s.x, s.y, s.cube, {.kernel = kernel, .basis = basis, .starts = 1});
+      for (Eigen::Index i = 0; i < 3; ++i)
+        expect_gradients_of_differences(gp, uniform_points(3, 3, 31).row(i));
+    }
+}
+
 /// Two numbers, one of them over three decades, and a category.
 struct Mixed {
   Matrix x = uniform_points(40, 3, 15);

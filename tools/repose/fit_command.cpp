@@ -31,6 +31,7 @@ struct FitOptions {
   std::string noise = "estimated";
   std::string estimator = "reml";
   std::string prior;
+  std::string parameter_uncertainty = "first-order";
   std::string response_scale = "linear";
   std::string coding = "exchangeable";
   std::string group;
@@ -118,6 +119,9 @@ GaussianProcessOptions model_options(const FitOptions& options, const table::Tab
   const bool jointly_robust =
       options.prior.empty() ? gp.estimator == Estimator::reml : options.prior == "jointly-robust";
   gp.prior = jointly_robust ? Prior::jointly_robust : Prior::none;
+  gp.parameter_uncertainty =
+      named(options.parameter_uncertainty,
+            {ParameterUncertainty::ignored, ParameterUncertainty::first_order});
   for (const auto& text : options.bounds) gp.bounds.push_back(parse_bounds(text, inputs));
   gp.starts = options.starts;
   gp.seed = options.seed;
@@ -346,6 +350,11 @@ void add_model_options(CLI::App* command, FitOptions* o) {
       ->check(CLI::IsMember({"reml", "ml", "loo"}));
   command->add_option("--prior", o->prior, "jointly-robust (with reml) or none (else)")
       ->check(CLI::IsMember({"jointly-robust", "none"}));
+  command
+      ->add_option("--parameter-uncertainty", o->parameter_uncertainty,
+                   "first-order: variances know that parameters are estimates (not with loo)")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"first-order", "ignored"}));
   command->add_option("--bound", o->bounds,
                       "NAME=VALUE or NAME=LOWER:UPPER of a parameter; an input: its scale");
   command->add_option("--response-scale", o->response_scale, "model y, log y or log(y/(1-y))")

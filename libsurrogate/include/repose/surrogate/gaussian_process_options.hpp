@@ -54,6 +54,14 @@ const char* to_string(Estimator estimator);
 /// and R -> 1.
 enum class Prior { none, jointly_robust };
 
+/// Whether predictions know that the hyper-parameters were estimated from the same data.
+enum class ParameterUncertainty {
+  ignored,     ///< taken as known
+  first_order  ///< their posterior as a Gaussian, its effect on the mean to first order: variances
+               ///< grow, means stay. Not with Estimator::loo, which is no likelihood.
+};
+const char* to_string(ParameterUncertainty uncertainty);
+
 /// What is modelled: y, log y (y > 0) or log(y/(1-y)) (0 < y < 1). Predictions are mean and
 /// variance of y.
 enum class ResponseScale { linear, log, logit };
@@ -78,6 +86,8 @@ struct GaussianProcessOptions {
   ResponseScale response_scale = ResponseScale::linear;
   Estimator estimator = Estimator::reml;
   Prior prior = Prior::jointly_robust;
+  /// An evaluation more for each parameter, and a prediction costs some n d more.
+  ParameterUncertainty parameter_uncertainty = ParameterUncertainty::first_order;
   std::vector<ParameterBounds> bounds = {};  ///< of parameters that are not free
   /// The best of a grid at each of three noise ratios, where noise is searched for; the others
   /// around the best of those.

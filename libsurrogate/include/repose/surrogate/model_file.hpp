@@ -1,10 +1,11 @@
 // A fitted model on disk; a loaded model predicts the same bits.
 //
-// One HDF5 file of tables (see repose/table/io.hpp), readable without repose. Version 2:
+// One HDF5 file of tables (see repose/table/io.hpp), readable without repose. Version 3:
 //   /              attributes: repose_model "gaussian-process", model_version, response,
 //                  response_scale, kernel, alpha, noise, basis, estimator; shift and scale of
 //                  modelled y = shift + scale * standardised; amplitude (process variance/scale^2),
-//                  noise_ratio, jitter, within, log_repeats, log_jacobian; how the fit went
+//                  noise_ratio, jitter, within, log_repeats, log_jacobian; variance_factor of
+//                  amplitude and noise in predictions; how the fit went
 //   /inputs        a row an input: name, lower, upper, scale, levels (their number), coding
 //   /levels        of the categories: input, level
 //   /length_scales name, length_scale (in units of the coordinates u)
@@ -12,9 +13,12 @@
 //                  standardised), noise (weight v of its mean)
 //   /rows          a row an observation: point (index, from 0), y (standardised), noise (weight w)
 //   /factor        l: lower Cholesky factor of R + noise_ratio diag(v) + jitter I, packed by
-//   columns /trend         regression functions and their coefficients; /functions those of the
-//   user /parameters    what the fit searched for
-// Version 1 is read too.
+//   columns /parameter_uncertainty  root1 ...: B, the log parameters having the covariance B B^T;
+//   rows: the
+//                  length scales, alpha of the rational quadratic, noise ratio
+//   /trend         regression functions and their coefficients; /functions those of the user
+//   /parameters    what the fit searched for
+// Versions 1 and 2, which lack variance_factor and /parameter_uncertainty, are read too.
 #pragma once
 
 #include <filesystem>
