@@ -6,13 +6,18 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
+#include <thread>
 
 #include "repose/base/error.hpp"
 #include "repose/base/file.hpp"
 
 namespace repose::dem {
 namespace {
+
+constexpr auto kPatience = std::chrono::seconds(2);
+constexpr auto kPoll = std::chrono::milliseconds(20);
 
 /// Whether the locked file is still the one of this name: its last holder may have removed it.
 bool is_current(int descriptor, const std::filesystem::path& file) {
@@ -26,7 +31,7 @@ bool is_current(int descriptor, const std::filesystem::path& file) {
 
 RunLock::RunLock(const std::filesystem::path& run_dir) : file_(run_dir / ".running") {
   make_directory(run_dir);
-  for (;;) {
+  for (const auto begin = std::chrono::steady_clock::now();;) {
     descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (descriptor_ < 0)
       throw StorageError("cannot write in '" + run_dir.string() + "': " + std::strerror(errno));
@@ -35,7 +40,9 @@ RunLock::RunLock(const std::filesystem::path& run_dir) : file_(run_dir / ".runni
     // Where a file system knows no locks, the run goes without.
     if (!is_held && (!is_locked || is_current(descriptor_, file_))) return;
     ::close(descriptor_);
-    if (is_held)
+    if (is_held && std::chrono::steady_clock::now() - begin < kPatience)
+      std::this_thread::sleep_for(kPoll);
+    else if (is_held)
       throw StorageError("another process is running in '" + run_dir.string() +
                          "'; wait for it, end it or choose another folder");
   }

@@ -8,7 +8,8 @@ namespace repose::dem {
 /// Holds RUN_DIR/.running, locked, while it lives; a process that is killed lets go of it.
 class RunLock {
  public:
-  /// Creates the folder. Throws StorageError if another process runs there.
+  /// Creates the folder. Throws StorageError if another process runs there and goes on for two
+  /// seconds: one that was killed may take a moment to end.
   explicit RunLock(const std::filesystem::path& run_dir);
   ~RunLock();
   RunLock(const RunLock&) = delete;
