@@ -6,6 +6,7 @@
 
 #include "contact/contact_evaluation.hpp"
 #include "contact/pair_kernel.hpp"
+#include "contact/wall_contacts.hpp"
 #include "repose/base/random.hpp"
 #include "two_bodies.hpp"
 
@@ -207,6 +208,97 @@ TEST(PairKernel, AddsTheLawsForcesOfEachPairInOrder) {
       EXPECT_EQ(contact.stored_j, static_cast<double>(histories.size() - 1 - p));  // not asked for
     }
   }
+}
+
+/// Contacts of the spheres of a chain with walls of which one moves.
+struct WallBench {
+  Bench spheres;
+  std::vector<WallContact> contacts;
+  std::vector<std::int32_t> sphere_of, wall_of;
+  std::vector<const PairLaw*> law_of;
+  struct alignas(32) Row {
+    double v[4];
+  };
+  std::vector<Row> twists, forces;
+
+  WallBatch batch() {
+    return {.motion = spheres.motion.data()->x.data(),
+            .spin = spheres.spin.data()->w.data(),
+            .contacts = contacts.data()->normal.data(),
+            .twists = twists.data()->v,
+            .forces = forces.data()->v,
+            .spheres = sphere_of.data(),
+            .walls = wall_of.data(),
+            .laws = law_of.data(),
+            .model = spheres.model,
+            .dt = spheres.dt,
+            .count = contacts.size()};
+  }
+};
+
+WallBench at_walls(const scene::ContactModel& model, std::size_t count, std::uint64_t seed) {
+  RandomStream random(seed);
+  WallBench bench;
+  bench.spheres = chain(model, 3, 0.0, 2 * count, seed);
+  bench.twists = {{{0, 0, 0, 0}}, {{0, 0, 0, 0}}, {{0.1, -0.2, 0.3, 0}}, {{3, 2, -1, 0}}};
+  bench.forces.resize(3 * count);
+  for (std::size_t c = 0; c < count; ++c) {
+    WallContact contact{};
+    contact.normal = random_vector(random, 1.0).normalized();
+    contact.overlap = random.uniform(1e-6, 1e-4);
+    contact.sphere = static_cast<std::int32_t>(c);
+    contact.wall = static_cast<std::int32_t>(c % 2);
+    contact.contact = bench.spheres.contacts[c];
+    bench.contacts.push_back(contact);
+    bench.sphere_of.push_back(contact.sphere);
+    bench.wall_of.push_back(contact.wall);
+    bench.law_of.push_back(&bench.spheres.laws[c % bench.spheres.laws.size()]);
+  }
+  return bench;
+}
+
+bool same_contacts(const std::vector<WallContact>& a, const std::vector<WallContact>& b) {
+  for (std::size_t c = 0; c < a.size(); ++c)
+    if (std::memcmp(static_cast<const void*>(&a[c].contact),
+                    static_cast<const void*>(&b[c].contact), sizeof(Contact)) != 0)
+      return false;
+  return true;
+}
+
+TEST(PairKernel, ForEachProcessorGivesTheScalarBitsAtWalls) {
+  std::uint64_t seed = 1000;
+  for (const scene::ContactModel& model : all_models())
+    for (std::size_t count : {1u, 2u, 3u, 5u, 9u, 64u}) {
+      WallBench scalar = at_walls(model, count, ++seed);
+      usable_pair_kernels().front()->find_forces(scalar.batch());
+      for (const PairKernel* kernel : usable_pair_kernels()) {
+        WallBench wide = at_walls(model, count, seed);
+        kernel->find_forces(wide.batch());
+        EXPECT_TRUE(same_bits(scalar.forces, wide.forces)) << kernel->name << name_of(model);
+        EXPECT_TRUE(same_contacts(scalar.contacts, wide.contacts)) << kernel->name;
+      }
+      WallBench asked = at_walls(model, count, seed);
+      ContactEnergies sum;
+      find_forces_with_energies(asked.batch(), sum);
+      EXPECT_TRUE(same_bits(scalar.forces, asked.forces)) << name_of(model);
+      EXPECT_GT(sum.normal_j, 0.0);
+      for (std::size_t c = 0; c < count; ++c) {  // the law itself, contact by contact
+        const WallBench before = at_walls(model, count, seed);
+        const Motion& sphere = before.spheres.motion[c];
+        const Twist twist = c % 2 == 0 ? Twist{} : Twist{{0.1, -0.2, 0.3}, {3, 2, -1}};
+        ContactHistory history = before.contacts[c].contact.history;
+        const ContactForce f = hertz_mindlin(
+            model, *before.law_of[c], sphere_wall(sphere.radius, 1.0 / sphere.inv_mass),
+            wall_kinematics(before.spheres.dt, before.contacts[c].normal,
+                            before.contacts[c].overlap, sphere, before.spheres.spin[c].w, twist),
+            before.spheres.dt, history);
+        const double size = f.force.norm();
+        const auto& row = scalar.forces[3 * c].v;
+        EXPECT_LE((Vec3(row[0], row[1], row[2]) - f.force).norm(), 1e-12 * size);
+        EXPECT_EQ(row[3], f.normal);
+        if (count > 9) break;  // the same for all
+      }
+    }
 }
 
 }  // namespace

@@ -134,11 +134,11 @@ std::vector<WallContact> wall_contacts_of(const table::Table& table, const Spher
   const VectorColumn normal(table, "normal"), slip(table, "slip"), rolling(table, "rolling");
   std::vector<WallContact> contacts;
   for (std::size_t r = 0; r < table.rows(); ++r) {
-    contacts.push_back({index.of(id[r]),
+    contacts.push_back({normal[r],
+                        overlap[r],
+                        index.of(id[r]),
                         patch[r],
                         wall[r],
-                        normal[r],
-                        overlap[r],
                         {{slip[r], rolling[r]}, stored[r]}});
   }
   std::stable_sort(contacts.begin(), contacts.end(),

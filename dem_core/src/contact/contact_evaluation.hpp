@@ -27,16 +27,14 @@ inline ContactKinematics pair_kinematics(const scene::ContactModel& model, doubl
 /// along does not slip. A wall is flat or large, so that its normal is taken at t alone.
 inline ContactKinematics wall_kinematics(double dt, const Vec3& normal, double overlap,
                                          const Motion& sphere, const Vec3& w, const Twist& twist) {
-  const double arm = sphere.radius - 0.5 * overlap;
-  const Vec3 point = sphere.x - (0.5 * dt) * sphere.v + arm * normal;
-  ContactKinematics now;
-  now.normal = normal;
-  now.normal_half = normal;
-  now.overlap = overlap;
-  now.velocity = sphere.v - twist.at(point) + arm * cross(w, normal);
-  now.spin = w - twist.spin;
-  now.turning = twist.spin.dot(normal);
-  return now;
+  using detail::lanes;
+  using detail::vec3;
+  const detail::KinematicsLanes<double> now = detail::kinematics_at_wall<double>(
+      dt, lanes(normal), overlap, lanes(sphere.x),
+      {lanes(sphere.v), lanes(w), sphere.radius, sphere.inv_mass}, lanes(twist.velocity),
+      lanes(twist.spin));
+  return {vec3(now.normal),   vec3(now.normal_half), now.overlap, now.inv_distance,
+          vec3(now.velocity), vec3(now.spin),        now.turning};
 }
 
 }  // namespace repose::dem

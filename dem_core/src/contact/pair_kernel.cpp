@@ -3,17 +3,17 @@
 namespace repose::dem {
 namespace {
 
-void add_forces_scalar(const PairBatch& batch, DeepestPair& deepest) {
-  NoEnergies none;
-  detail::add_batch<double>(batch, deepest, none);
+template <class R>
+void add_forces(const PairBatch& batch, DeepestPair& deepest) {
+  detail::add_forces<R>(batch, deepest);
 }
-void add_forces_baseline(const PairBatch& batch, DeepestPair& deepest) {
-  NoEnergies none;
-  detail::add_batch<detail::Pack<2>>(batch, deepest, none);
+template <class R>
+void find_forces(const WallBatch& batch) {
+  detail::find_forces<R>(batch);
 }
 
-constexpr PairKernel kScalar{"scalar", add_forces_scalar};
-constexpr PairKernel kBaseline{"x86-64", add_forces_baseline};
+constexpr PairKernel kScalar{"scalar", add_forces<double>, find_forces<double>};
+constexpr PairKernel kBaseline{"x86-64", add_forces<detail::Pack<2>>, find_forces<detail::Pack<2>>};
 
 }  // namespace
 
@@ -38,6 +38,10 @@ const PairKernel& pair_kernel() {
 
 void add_forces_with_energies(const PairBatch& batch, DeepestPair& deepest, ContactEnergies& sum) {
   detail::add_batch<double>(batch, deepest, sum);
+}
+
+void find_forces_with_energies(const WallBatch& batch, ContactEnergies& sum) {
+  detail::find_batch<double>(batch, sum);
 }
 
 }  // namespace repose::dem

@@ -43,11 +43,32 @@ struct DeepestPair {
   std::ptrdiff_t pair;
 };
 
-/// A kernel adds the forces of the pairs to the loads, in their order. All kernels give the same
-/// bits: each lane does the operations of one contact, IEEE's and in one order.
+/// Contacts with walls: rows of doubles as above, and
+///   contacts  16 a contact: normal and overlap; what stands in between; then as a slot of pairs
+///   twists    8 a wall: velocity, 0, spin, 0 at the time of the velocities
+///   forces    12 a contact: force on the sphere and F_n, its torque on the sphere, rolling torque;
+///             written
+struct WallBatch {
+  const double* motion;
+  const double* spin;
+  double* contacts;
+  const double* twists;
+  double* forces;
+  const std::int32_t* spheres;  ///< index, of each contact
+  const std::int32_t* walls;    ///< of each contact
+  const PairLaw* const* laws;   ///< of each contact
+  scene::ContactModel model;
+  double dt;
+  std::size_t count;
+};
+
+/// add_forces() adds the forces of the pairs to the loads, in their order; find_forces() leaves
+/// adding to the caller. All kernels give the same bits: each lane does the operations of one
+/// contact, IEEE's and in one order.
 struct PairKernel {
   const char* name;
   void (*add_forces)(const PairBatch& batch, DeepestPair& deepest);
+  void (*find_forces)(const WallBatch& batch);
 };
 
 /// Four at a time for x86-64-v3 and eight for v4; null if not built. Their processors only.
@@ -62,5 +83,6 @@ const PairKernel& pair_kernel();
 
 /// One at a time, with what the contacts store and lose added to `sum`; same forces.
 void add_forces_with_energies(const PairBatch& batch, DeepestPair& deepest, ContactEnergies& sum);
+void find_forces_with_energies(const WallBatch& batch, ContactEnergies& sum);
 
 }  // namespace repose::dem

@@ -17,31 +17,39 @@ template <class R>
   return d;
 }
 
+static_assert(offsetof(PairLaw, e_eff) == 0 && offsetof(PairLaw, g_eff) == 8 &&
+              offsetof(PairLaw, mu_s) == 24 && offsetof(PairLaw, mu_r) == 32 &&
+              offsetof(PairLaw, gamma_n) == 40 && offsetof(PairLaw, gamma_t) == 48 &&
+              offsetof(PairLaw, rolling_k) == 56 && offsetof(PairLaw, rolling_c) == 64 &&
+              offsetof(PairLaw, cohesion) == 72 && sizeof(PairLaw) == 96);
+
 template <class R>
-[[gnu::always_inline]] inline LawLanes<R> read_laws(const PairBatch& batch,
-                                                    const TouchingPair (&pairs)[kLanes<R>]) {
+[[gnu::always_inline]] inline LawLanes<R> read_laws(const PairLaw* const (&laws)[kLanes<R>]) {
+  const double* rows[3][kLanes<R>];
+  for (std::size_t k = 0; k < kLanes<R>; ++k) {
+    rows[0][k] = &laws[k]->e_eff;
+    rows[1][k] = &laws[k]->mu_r;
+    rows[2][k] = &laws[k]->rolling_c;
+  }
+  const Row<R> first = read_rows(rows[0]);
+  const Row<R> second = read_rows(rows[1]);
+  const Row<R> third = read_rows(rows[2]);
+  return {first.a, first.b, first.d, second.a, second.b, second.c, second.d, third.a, third.b};
+}
+
+template <class R>
+[[gnu::always_inline]] inline LawLanes<R> laws_of(const PairBatch& batch,
+                                                  const TouchingPair (&pairs)[kLanes<R>]) {
   if (batch.materials == 1) {
     const PairLaw& law = *batch.laws;
     return {law.e_eff,   law.g_eff,     law.mu_s,      law.mu_r,    law.gamma_n,
             law.gamma_t, law.rolling_k, law.rolling_c, law.cohesion};
   }
-  const double* rows[3][kLanes<R>];
-  for (std::size_t k = 0; k < kLanes<R>; ++k) {
-    const PairLaw& law =
-        batch.laws[batch.material[pairs[k].i] * batch.materials + batch.material[pairs[k].j]];
-    rows[0][k] = &law.e_eff;
-    rows[1][k] = &law.mu_r;
-    rows[2][k] = &law.rolling_c;
-  }
-  static_assert(offsetof(PairLaw, e_eff) == 0 && offsetof(PairLaw, g_eff) == 8 &&
-                offsetof(PairLaw, mu_s) == 24 && offsetof(PairLaw, mu_r) == 32 &&
-                offsetof(PairLaw, gamma_n) == 40 && offsetof(PairLaw, gamma_t) == 48 &&
-                offsetof(PairLaw, rolling_k) == 56 && offsetof(PairLaw, rolling_c) == 64 &&
-                offsetof(PairLaw, cohesion) == 72 && sizeof(PairLaw) == 96);
-  const Row<R> first = read_rows(rows[0]);
-  const Row<R> second = read_rows(rows[1]);
-  const Row<R> third = read_rows(rows[2]);
-  return {first.a, first.b, first.d, second.a, second.b, second.c, second.d, third.a, third.b};
+  const PairLaw* laws[kLanes<R>];
+  for (std::size_t k = 0; k < kLanes<R>; ++k)
+    laws[k] =
+        batch.laws + batch.material[pairs[k].i] * batch.materials + batch.material[pairs[k].j];
+  return read_laws<R>(laws);
 }
 
 /// One block of contacts, of which the first `count` are real and the others repeat the last.
@@ -82,7 +90,7 @@ template <class R, class Energies>
                           {kept_slip.d, kept_rest.a, kept_rest.b}};
   Energies energies;
   const ForceLanes<R> force = contact_law(
-      batch.model, read_laws<R>(batch, pairs),
+      batch.model, laws_of<R>(batch, pairs),
       bodies_of_pair(i.radius, i.inv_mass, j.radius, j.inv_mass), now, batch.dt, history, energies);
   if constexpr (std::is_same_v<Energies, ContactEnergies>) {
     kept_rest.c = energies.stored_j();
@@ -135,6 +143,85 @@ template <class R, class Energies>
     for (std::size_t k = 0; k < n; ++k) pairs[k] = batch.pairs[first + (k < count ? k : count - 1)];
     add_block<R>(batch, pairs, first, count, deepest, sum);
   }
+}
+
+/// One block of contacts with walls; those beyond `count` repeat the last.
+template <class R, class Energies>
+[[gnu::always_inline]] inline void find_block(const WallBatch& batch, std::size_t first,
+                                              std::size_t count, Energies& sum) {
+  constexpr std::size_t n = kLanes<R>;
+  const double *x[n], *v[n], *w[n], *normal[n], *slip[n], *rest[n], *velocity[n], *spin[n];
+  const PairLaw* laws[n];
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t c = first + (k < count ? k : count - 1);
+    x[k] = batch.motion + 8 * std::size_t(batch.spheres[c]);
+    v[k] = x[k] + 4;
+    w[k] = batch.spin + 4 * std::size_t(batch.spheres[c]);
+    normal[k] = batch.contacts + 16 * c;
+    slip[k] = normal[k] + 8;
+    rest[k] = normal[k] + 12;
+    velocity[k] = batch.twists + 8 * std::size_t(batch.walls[c]);
+    spin[k] = velocity[k] + 4;
+    laws[k] = batch.laws[c];
+  }
+  const Row<R> xs = read_rows(x), vs = read_rows(v), ws = read_rows(w), ns = read_rows(normal);
+  const Row<R> wall_v = read_rows(velocity), wall_w = read_rows(spin);
+  const SphereLanes<R> sphere{{vs.a, vs.b, vs.c}, {ws.a, ws.b, ws.c}, xs.d, vs.d};
+  const KinematicsLanes<R> now = kinematics_at_wall(
+      batch.dt, Lanes3<R>{ns.a, ns.b, ns.c}, ns.d, Lanes3<R>{xs.a, xs.b, xs.c}, sphere,
+      Lanes3<R>{wall_v.a, wall_v.b, wall_v.c}, Lanes3<R>{wall_w.a, wall_w.b, wall_w.c});
+  const Row<R> kept_slip = read_rows(slip);
+  Row<R> kept_rest = read_rows(rest);
+  HistoryLanes<R> history{{kept_slip.a, kept_slip.b, kept_slip.c},
+                          {kept_slip.d, kept_rest.a, kept_rest.b}};
+  Energies energies;
+  const ForceLanes<R> force =
+      contact_law(batch.model, read_laws<R>(laws), bodies_at_wall(sphere.radius, sphere.inv_mass),
+                  now, batch.dt, history, energies);
+  if constexpr (std::is_same_v<Energies, ContactEnergies>) {
+    kept_rest.c = energies.stored_j();
+    sum += energies;
+  }
+  const Lanes3<R> torque =
+      R(sphere.radius - 0.5 * now.overlap) * cross3(now.normal, force.tangential) +
+      force.rolling_torque;
+  double *forces[n], *torques[n], *rollings[n], *slips[n], *rests[n];
+  alignas(64) double beyond[4];  // where the lanes that repeat write
+  for (std::size_t k = 0; k < n; ++k) {
+    double* const to = batch.forces + 12 * (first + k);
+    double* const contact = batch.contacts + 16 * (first + k);
+    forces[k] = k < count ? to : beyond;
+    torques[k] = k < count ? to + 4 : beyond;
+    rollings[k] = k < count ? to + 8 : beyond;
+    slips[k] = k < count ? contact + 8 : beyond;
+    rests[k] = k < count ? contact + 12 : beyond;
+  }
+  const R zero(0.0);
+  write_rows({force.force.x, force.force.y, force.force.z, force.normal}, forces);
+  write_rows({torque.x, torque.y, torque.z, zero}, torques);
+  write_rows({force.rolling_torque.x, force.rolling_torque.y, force.rolling_torque.z, zero},
+             rollings);
+  write_rows({history.slip.x, history.slip.y, history.slip.z, history.rolling.x}, slips);
+  write_rows({history.rolling.y, history.rolling.z, kept_rest.c, kept_rest.d}, rests);
+}
+
+template <class R, class Energies>
+[[gnu::always_inline]] inline void find_batch(const WallBatch& batch, Energies& sum) {
+  constexpr std::size_t n = kLanes<R>;
+  for (std::size_t first = 0; first < batch.count; first += n)
+    find_block<R>(batch, first, batch.count - first < n ? batch.count - first : n, sum);
+}
+
+/// The functions of a kernel with this many lanes.
+template <class R>
+[[gnu::always_inline]] inline void add_forces(const PairBatch& batch, DeepestPair& deepest) {
+  NoEnergies none;
+  add_batch<R>(batch, deepest, none);
+}
+template <class R>
+[[gnu::always_inline]] inline void find_forces(const WallBatch& batch) {
+  NoEnergies none;
+  find_batch<R>(batch, none);
 }
 
 }  // namespace repose::dem::detail

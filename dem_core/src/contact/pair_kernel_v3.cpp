@@ -9,11 +9,13 @@ namespace repose::dem {
 namespace {
 
 void add_forces(const PairBatch& batch, DeepestPair& deepest) {
-  NoEnergies none;
-  detail::add_batch<detail::Pack<4>>(batch, deepest, none);
+  detail::add_forces<detail::Pack<4>>(batch, deepest);
+}
+void find_forces(const WallBatch& batch) {
+  detail::find_forces<detail::Pack<4>>(batch);
 }
 
-constexpr PairKernel kKernel{"x86-64-v3", add_forces};
+constexpr PairKernel kKernel{"x86-64-v3", add_forces, find_forces};
 
 }  // namespace
 

@@ -10,14 +10,15 @@ namespace repose::dem {
 
 /// Known by sphere and patch, so that it lives on when the sphere passes from facet to facet; of
 /// several on one patch (in a groove, between the sides of a tube) by the nearest normal.
-struct WallContact {
+struct alignas(64) WallContact {
+  Vec3 normal;  ///< from the sphere to the wall, as the overlap of the last step
+  double overlap;
   std::int32_t sphere;  ///< index
   std::int32_t patch;
   std::int32_t wall;
-  Vec3 normal;  ///< from the sphere to the wall, as the overlap of the last step
-  double overlap;
   Contact contact;
 };
+static_assert(sizeof(WallContact) == 128);  // the kernels see it as rows of four numbers
 
 /// All of them, by ascending sphere; the room of the step before is used again.
 struct WallContacts {

@@ -1,5 +1,9 @@
+#include <algorithm>
+#include <array>
+
 #include "contact/contact_evaluation.hpp"
 #include "contact/contact_forces.hpp"
+#include "contact/pair_kernel.hpp"
 #include "contact/wall_touches.hpp"
 
 namespace repose::dem {
@@ -33,34 +37,19 @@ Contact continued(const WallPush& push, std::span<WallContact> before) {
   return best->contact;
 }
 
-/// The force of a contact, and what it stores and loses.
-ContactForce force_of(const scene::ContactModel& model, const PairLaw& law, const Motion& sphere,
-                      const ContactKinematics& now, double dt, Contact& contact,
-                      ContactEnergies* sum) {
-  const ContactBodies bodies = sphere_wall(sphere.radius, 1.0 / sphere.inv_mass);
-  if (sum == nullptr) return hertz_mindlin(model, law, bodies, now, dt, contact.history);
-  ContactEnergies energies;
-  const ContactForce force = hertz_mindlin(model, law, bodies, now, dt, contact.history, energies);
-  contact.stored_j = energies.stored_j();
-  *sum += energies;
-  return force;
-}
-
-/// What the sphere does to the wall at the point x + arm n; `f` acts on the sphere.
-void add_to_wall(const ContactForce& f, const Vec3& point, const WallBody& wall, double dt,
-                 WallLoadSum& sum) {
-  sum.force -= f.force;
-  sum.torque -= cross(point - wall.now.reference, f.force) + f.rolling_torque;
+/// What the sphere does to the wall at a point, by a force and a torque on the sphere.
+void add_to_wall(const Vec3& force, const Vec3& rolling_torque, const Vec3& point,
+                 const WallBody& wall, double dt, WallLoadSum& sum) {
+  sum.force -= force;
+  sum.torque -= cross(point - wall.now.reference, force) + rolling_torque;
   if (wall.motion.empty()) return;
   const Twist& twist = wall.now.twist;
-  sum.work += (f.force.dot(twist.at(point)) + f.rolling_torque.dot(twist.spin)) * dt;
+  sum.work += (force.dot(twist.at(point)) + rolling_torque.dot(twist.spin)) * dt;
 }
 
-}  // namespace
-
-void add_wall_forces(const LawTable& laws, double dt, const WallList& list, Walls& walls,
-                     Spheres& spheres, WallContacts& contacts, DeepestOverlap& deepest,
-                     ContactEnergies* energies) {
+/// Who touches which wall now, by ascending sphere, with the histories of the step before.
+void find_wall_contacts(const WallList& list, const Walls& walls, const Spheres& spheres,
+                        WallContacts& contacts, DeepestOverlap& deepest) {
   contacts.before.swap(contacts.all);
   contacts.all.clear();
   WallTouches touches;
@@ -73,26 +62,84 @@ void add_wall_forces(const LawTable& laws, double dt, const WallList& list, Wall
     const Motion& sphere = spheres.motion[i];
     const double moved = (sphere.x - spheres.x_listed[i]).norm() + walls_moved;
     const std::span<WallContact> before = contacts_of(id, contacts.before, next);
-    Load& load = spheres.load[i];
     for (const WallPush& push : touches.find(walls, sphere.x, sphere.radius, facets, moved)) {
-      const WallBody& wall = walls.at(static_cast<std::size_t>(push.wall));
       deepest.see(push.overlap, sphere.radius, id, push.wall, true);
       contacts.all.push_back(
-          {id, push.patch, push.wall, push.normal, push.overlap, continued(push, before)});
-      Contact& contact = contacts.all.back().contact;
-      const ContactKinematics now = wall_kinematics(dt, push.normal, push.overlap, sphere,
-                                                    spheres.spin[i].w, wall.half_twist);
-      const PairLaw& law = laws.at(spheres.material[i], wall.material);
-      const ContactForce f = force_of(laws.model(), law, sphere, now, dt, contact, energies);
-      const double arm = sphere.radius - 0.5 * push.overlap;
-      load.force += f.force;
-      load.torque += arm * cross(now.normal, f.tangential) + f.rolling_torque;
-      add_to_wall(f, sphere.x + arm * push.normal, wall, dt,
-                  walls.load(static_cast<std::size_t>(push.wall)));
+          {push.normal, push.overlap, id, push.patch, push.wall, continued(push, before)});
     }
   }
   for (const WallContact& ended : contacts.before)
     if (ended.patch != kTaken) contacts.released_j += ended.contact.stored_j;
+}
+
+struct alignas(32) FourNumbers {
+  double a = 0.0, b = 0.0, c = 0.0, d = 0.0;
+};
+FourNumbers row_of(const Vec3& v) {
+  return {v.x(), v.y(), v.z(), 0.0};
+}
+Vec3 vector_of(const FourNumbers& row) {
+  return {row.a, row.b, row.c};
+}
+
+/// Velocity and spin of each wall at the time of the velocities.
+std::vector<FourNumbers> twists_of(const Walls& walls) {
+  std::vector<FourNumbers> rows;
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    rows.push_back(row_of(walls.at(w).half_twist.velocity));
+    rows.push_back(row_of(walls.at(w).half_twist.spin));
+  }
+  return rows;
+}
+
+constexpr std::size_t kBatch = 64;
+
+}  // namespace
+
+void add_wall_forces(const LawTable& laws, double dt, const WallList& list, Walls& walls,
+                     Spheres& spheres, WallContacts& contacts, DeepestOverlap& deepest,
+                     ContactEnergies* energies) {
+  find_wall_contacts(list, walls, spheres, contacts, deepest);
+  const PairKernel& kernel = pair_kernel();
+  const std::vector<FourNumbers> twists = twists_of(walls);
+  std::array<FourNumbers, 3 * kBatch> forces;
+  std::array<std::int32_t, kBatch> sphere_of, wall_of;
+  std::array<const PairLaw*, kBatch> law_of;
+  for (std::size_t first = 0; first < contacts.all.size(); first += kBatch) {
+    WallContact* const batch = contacts.all.data() + first;
+    const std::size_t count = std::min(kBatch, contacts.all.size() - first);
+    for (std::size_t c = 0; c < count; ++c) {
+      sphere_of[c] = batch[c].sphere;
+      wall_of[c] = batch[c].wall;
+      law_of[c] = &laws.at(spheres.material[static_cast<std::size_t>(batch[c].sphere)],
+                           walls.at(static_cast<std::size_t>(batch[c].wall)).material);
+    }
+    const WallBatch now{.motion = spheres.motion.data()->x.data(),
+                        .spin = spheres.spin.data()->w.data(),
+                        .contacts = batch->normal.data(),
+                        .twists = &twists.data()->a,
+                        .forces = &forces.data()->a,
+                        .spheres = sphere_of.data(),
+                        .walls = wall_of.data(),
+                        .laws = law_of.data(),
+                        .model = laws.model(),
+                        .dt = dt,
+                        .count = count};
+    if (energies != nullptr)
+      find_forces_with_energies(now, *energies);
+    else
+      kernel.find_forces(now);
+    for (std::size_t c = 0; c < count; ++c) {
+      const auto i = static_cast<std::size_t>(batch[c].sphere);
+      const auto w = static_cast<std::size_t>(batch[c].wall);
+      const Vec3 force = vector_of(forces[3 * c]);
+      spheres.load[i].force += force;
+      spheres.load[i].torque += vector_of(forces[3 * c + 1]);
+      const double arm = spheres.motion[i].radius - 0.5 * batch[c].overlap;
+      add_to_wall(force, vector_of(forces[3 * c + 2]), spheres.motion[i].x + arm * batch[c].normal,
+                  walls.at(w), dt, walls.load(w));
+    }
+  }
 }
 
 std::vector<ContactState> wall_states(const LawTable& laws, double dt, const Walls& walls,

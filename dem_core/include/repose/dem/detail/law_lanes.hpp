@@ -79,6 +79,31 @@ template <class R>
   return now;
 }
 
+/// Kinematics of a sphere at x and a wall that moves with the twist (velocity, spin), see
+/// wall_kinematics().
+template <class R>
+[[gnu::always_inline]] inline KinematicsLanes<R> kinematics_at_wall(
+    double dt, const Lanes3<R>& normal, const R& overlap, const Lanes3<R>& x,
+    const SphereLanes<R>& sphere, const Lanes3<R>& velocity, const Lanes3<R>& spin) {
+  const R arm = sphere.radius - 0.5 * overlap;
+  const Lanes3<R> point = x - R(0.5 * dt) * sphere.v + arm * normal;
+  KinematicsLanes<R> now;
+  now.normal = normal;
+  now.normal_half = normal;
+  now.overlap = overlap;
+  now.inv_distance = R(0.0);
+  now.velocity = sphere.v - (velocity + cross3(spin, point)) + arm * cross3(sphere.w, normal);
+  now.spin = sphere.w - spin;
+  now.turning = dot(spin, normal);
+  return now;
+}
+
+template <class R>
+[[gnu::always_inline]] inline BodiesLanes<R> bodies_at_wall(const R& radius, const R& inv_mass) {
+  const R mass = 1.0 / inv_mass;
+  return {radius, mass, 1.4 * mass * radius * radius};
+}
+
 /// Projects `v` into the plane normal to `n` and restores its length.
 template <class R>
 [[gnu::always_inline]] inline void turn_into_plane(Lanes3<R>& v, const Lanes3<R>& n) {
