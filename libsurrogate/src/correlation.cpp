@@ -17,21 +17,23 @@ Matrix cross_correlation(const Correlator& correlator, const Matrix& x, const Ma
 }
 
 CrossCorrelation::CrossCorrelation(const Correlator& correlator, const Matrix& x, const Matrix& q)
-    : r(x.rows(), q.rows()), slope(x.rows(), q.rows()), r2(x.rows(), q.rows()) {
+    : r(x.rows(), q.rows()), slope(x.rows(), q.rows()) {
   const Dense& loops = dense();
   const bool has_alpha = correlator.correlation == Correlation::rational_quadratic;
   if (has_alpha) alpha_slope.resize(x.rows(), q.rows());
   for (Eigen::Index j = 0; j < q.rows(); ++j) {
     loops.squared_distances(x.data(), x.rows(), x.rows(), x.cols(), q.data() + j, q.rows(),
-                            correlator.weight.data(), r2.col(j).data());
-    r.col(j) = r2.col(j);
+                            correlator.weight.data(), r.col(j).data());
     loops.correlate(correlator.correlation, correlator.alpha, x.rows(), r.col(j).data(),
                     {slope.col(j).data(), has_alpha ? alpha_slope.col(j).data() : nullptr});
   }
 }
 
-SecondSlopes::SecondSlopes(const Correlator& correlator, const CrossCorrelation& k) {
-  const auto r2 = k.r2.col(0).array();
+SecondSlopes::SecondSlopes(const Correlator& correlator, const Matrix& x, const Matrix& q,
+                           const CrossCorrelation& k) {
+  Eigen::ArrayXd r2(x.rows());
+  dense().squared_distances(x.data(), x.rows(), x.rows(), x.cols(), q.data(), q.rows(),
+                            correlator.weight.data(), r2.data());
   const auto g = k.slope.col(0).array();
   const Eigen::ArrayXd distance = r2.sqrt();
   const auto unless_zero = [&r2](const Eigen::ArrayXd& values) -> Vector {

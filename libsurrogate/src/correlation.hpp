@@ -21,18 +21,18 @@ struct CrossCorrelation {
   Matrix r;
   Matrix slope;
   Matrix alpha_slope;
-  Matrix r2;  ///< n x m squared distances in length scales
 
   CrossCorrelation(const Correlator& correlator, const Matrix& x, const Matrix& q);
 };
 
-/// Derivatives of the slopes in r^2, those to one point (column 0); 0 at distance 0, where they are
-/// multiplied by it.
+/// Derivatives of the slopes in r^2, to one point q; 0 at distance 0, where they are multiplied by
+/// it.
 struct SecondSlopes {
   Vector scale;
   Vector alpha;
 
-  SecondSlopes(const Correlator& correlator, const CrossCorrelation& k);
+  SecondSlopes(const Correlator& correlator, const Matrix& x, const Matrix& q,
+               const CrossCorrelation& k);
 };
 
 /// Lower triangle with unit diagonal; the rest is left alone. Of the slopes, n x n, only what lies

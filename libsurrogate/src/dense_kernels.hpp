@@ -13,8 +13,11 @@ namespace {
 using Square = Eigen::Map<Eigen::MatrixXd>;
 using ConstSquare = Eigen::Map<const Eigen::MatrixXd>;
 
-/// Columns that are worked on together: as few as fill a matrix product's registers.
-constexpr Index kBlock = 24;
+/// Columns that are worked on together: as few as fill a matrix product's registers; more where
+/// copying what is multiplied would else take longer than it should.
+constexpr Index block_for(Index n) {
+  return n < 400 ? 24 : 48;
+}
 
 // Whether a number is met by a vector instruction or not must not depend on where its array happens
 // to lie, or the last bits of exponentials and sums would. So exponentials go by chunks that are
@@ -23,27 +26,94 @@ constexpr Index kBlock = 24;
 constexpr Index kChunk = 16;
 using Chunk = Eigen::Array<double, kChunk, 1>;
 
-Chunk load(const double* from, Index n) {
+[[gnu::always_inline]] inline Chunk load(const double* from, Index n) {
   if (n >= kChunk) return Eigen::Map<const Chunk>(from);
   Chunk c = Chunk::Zero();
   for (Index i = 0; i < n; ++i) c[i] = from[i];
   return c;
 }
 
-void store(const Chunk& c, double* to, Index n) {
+[[gnu::always_inline]] inline void store(const Chunk& c, double* to, Index n) {
   if (n >= kChunk)
     Eigen::Map<Chunk>{to} = c;
   else
     for (Index i = 0; i < n; ++i) to[i] = c[i];
 }
 
+using Packet = Eigen::internal::packet_traits<double>::type;
+using Bits = long long __attribute__((vector_size(sizeof(Packet))));
+
+/// a b + c as pmadd of packets rounds it.
+[[gnu::always_inline]] inline double multiply_add(double a, double b, double c) {
+#ifdef __FMA__
+  return __builtin_fma(a, b, c);
+#else
+  return a * b + c;
+#endif
+}
+
 void squared_distances_(const double* x, Index n, Index stride, Index dimension, const double* q,
                         Index q_stride, const double* weight, double* out) {
-  Eigen::Map<Eigen::ArrayXd> sum(out, n);
-  sum.setZero();
-  for (Index k = 0; k < dimension; ++k)
-    sum += weight[k] *
-           (Eigen::Map<const Eigen::ArrayXd>(x + k * stride, n) - q[k * q_stride]).square();
+  using namespace Eigen::internal;
+  constexpr Index kSize = sizeof(Packet) / sizeof(double);
+  constexpr Index kSums = 4;  // in registers
+  Index i = 0;
+  for (; i + kSums * kSize <= n; i += kSums * kSize) {
+    Packet sum[kSums];
+    for (Packet& s : sum) s = pset1<Packet>(0.0);
+    for (Index k = 0; k < dimension; ++k) {
+      const Packet w = pset1<Packet>(weight[k]);
+      const Packet at = pset1<Packet>(q[k * q_stride]);
+      for (Index j = 0; j < kSums; ++j) {
+        const Packet step = psub(ploadu<Packet>(x + i + j * kSize + k * stride), at);
+        sum[j] = pmadd(pmul(w, step), step, sum[j]);
+      }
+    }
+    for (Index j = 0; j < kSums; ++j) pstoreu(out + i + j * kSize, sum[j]);
+  }
+  for (; i < n; ++i) {
+    out[i] = 0.0;
+    for (Index k = 0; k < dimension; ++k) {
+      const double step = x[i + k * stride] - q[k * q_stride];
+      out[i] = multiply_add(weight[k] * step, step, out[i]);
+    }
+  }
+}
+
+/// exp(x) for x <= 0, to 2 units in the last place; 0 below -708. x = n log 2 + r, |r| <= log(2)/2,
+/// and Taylor's polynomial of degree 13 of r, by Estrin's scheme.
+[[gnu::always_inline]] inline Packet exp_of_negative(const Packet& x) {
+  using namespace Eigen::internal;
+  const auto constant = [](double c) { return pset1<Packet>(c); };
+  constexpr double kRound = 6755399441055744.0;  // 1.5 * 2^52: adding it leaves n in the last bits
+  const Packet clamped = pmax(x, constant(-708.0));
+  const Packet shifted = pmadd(clamped, constant(1.4426950408889634), constant(kRound));
+  const Packet n = psub(shifted, constant(kRound));
+  const Packet r = pmadd(n, constant(-1.9082149292705877e-10),
+                         pmadd(n, constant(-6.93147180369123816490e-1), clamped));
+  const Packet r2 = pmul(r, r);
+  const Packet r4 = pmul(r2, r2);
+  const Packet r8 = pmul(r4, r4);
+  const auto pair = [&](double low, double high) {
+    return pmadd(constant(high), r, constant(low));
+  };
+  const Packet p0 = pmadd(pair(1.0 / 2, 1.0 / 6), r2, pair(1.0, 1.0));
+  const Packet p4 = pmadd(pair(1.0 / 720, 1.0 / 5040), r2, pair(1.0 / 24, 1.0 / 120));
+  const Packet p8 = pmadd(pair(1.0 / 3628800, 1.0 / 39916800), r2, pair(1.0 / 40320, 1.0 / 362880));
+  const Packet p12 = pair(1.0 / 479001600, 1.0 / 6227020800);
+  const Packet p = pmadd(pmadd(p12, r4, p8), r8, pmadd(p4, r4, p0));
+  const Packet scaled =
+      reinterpret_cast<Packet>(reinterpret_cast<Bits>(p) + (reinterpret_cast<Bits>(shifted) << 52));
+  return pand(scaled, pcmp_le(constant(-708.0), x));
+}
+
+[[gnu::always_inline]] inline Chunk exp_of_negative(const Chunk& x) {
+  constexpr Index kSize = sizeof(Packet) / sizeof(double);
+  Chunk result;
+  for (Index i = 0; i < kChunk; i += kSize)
+    Eigen::internal::pstore(result.data() + i,
+                            exp_of_negative(Eigen::internal::pload<Packet>(x.data() + i)));
+  return result;
 }
 
 /// R and G of a chunk of r^2.
@@ -52,25 +122,25 @@ struct Correlated {
   Chunk g;
 };
 
-Correlated correlate_chunk(Correlation correlation, const Chunk& r2) {
+[[gnu::always_inline]] inline Correlated correlate_chunk(Correlation correlation, const Chunk& r2) {
   switch (correlation) {
     case Correlation::exponential: {
       const Chunk s = r2.sqrt();
-      const Chunk r = (-s).exp();
+      const Chunk r = exp_of_negative(Chunk(-s));
       return {r, (s > 0.0).select(r / s, 0.0)};
     }
     case Correlation::matern32: {
       const Chunk s = (3.0 * r2).sqrt();
-      const Chunk e = (-s).exp();
+      const Chunk e = exp_of_negative(Chunk(-s));
       return {(1.0 + s) * e, 3.0 * e};
     }
     case Correlation::matern52: {
       const Chunk s = (5.0 * r2).sqrt();
-      const Chunk e = (-s).exp();
+      const Chunk e = exp_of_negative(Chunk(-s));
       return {(1.0 + s + s.square() / 3.0) * e, (5.0 / 3.0) * (1.0 + s) * e};
     }
     default: {  // squared exponential
-      const Chunk r = (-0.5 * r2).exp();
+      const Chunk r = exp_of_negative(Chunk(-0.5 * r2));
       return {r, r};
     }
   }
@@ -126,8 +196,9 @@ bool factor_panel(Eigen::MatrixXd& a, Index k, Index size) {
 bool cholesky_(double* a, Index n) {
   thread_local Eigen::MatrixXd m;
   m = ConstSquare(a, n, n);
-  for (Index k = 0; k < n; k += kBlock)
-    if (!factor_panel(m, k, std::min(kBlock, n - k))) return false;
+  const Index block = block_for(n);
+  for (Index k = 0; k < n; k += block)
+    if (!factor_panel(m, k, std::min(block, n - k))) return false;
   Square(a, n, n).triangularView<Eigen::Lower>() = m;
   return true;
 }
@@ -139,13 +210,14 @@ void lower_inverse_(const double* l_data, Index n, double* p_data) {
   thread_local Eigen::MatrixXd left;
   l = ConstSquare(l_data, n, n);
   p.setZero(n, n);
-  left.resize(kBlock, n);
-  for (Index b = 0; b < n; b += kBlock) {
-    const Index s = std::min(kBlock, n - b);
+  const Index block = block_for(n);
+  left.resize(block, n);
+  for (Index b = 0; b < n; b += block) {
+    const Index s = std::min(block, n - b);
     p.block(b, b, s, s) =
         l.block(b, b, s, s).triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(s, s));
-    for (Index c = 0; c < b; c += 2 * kBlock) {
-      const Index t = std::min(2 * kBlock, b - c);
+    for (Index c = 0; c < b; c += 2 * block) {
+      const Index t = std::min(2 * block, b - c);
       left.block(0, c, s, t).noalias() = l.block(b, c, s, b - c) * p.block(c, c, b - c, t);
     }
     if (b > 0) p.block(b, 0, s, b).noalias() = -p.block(b, b, s, s) * left.topLeftCorner(s, b);
@@ -158,8 +230,9 @@ void inverse_from_(const double* p_data, Index n, double* c_data) {
   thread_local Eigen::MatrixXd c;
   p = ConstSquare(p_data, n, n);
   c.resize(n, n);
-  for (Index b = 0; b < n; b += kBlock) {
-    const Index s = std::min(kBlock, n - b);
+  const Index block = block_for(n);
+  for (Index b = 0; b < n; b += block) {
+    const Index s = std::min(block, n - b);
     c.block(b, 0, s, b + s).noalias() =
         p.block(b, b, n - b, s).transpose() * p.block(b, 0, n - b, b + s);
   }

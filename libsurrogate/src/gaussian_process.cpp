@@ -90,8 +90,9 @@ void find_parameters(State& s, const NegativeLogPosterior& objective, const Sear
         search(weaker, without_inert(space, best.x, objective, s.data), s.data, options);
     best.evaluations += other.evaluations;
     State candidate = s;
-    adopt(candidate, weaker, other.x);
-    if (left_out_log_density(candidate) > left_out_log_density(s)) {
+    const bool is_there = std::isfinite(other.value);
+    if (is_there) adopt(candidate, weaker, other.x);
+    if (is_there && left_out_log_density(candidate) > left_out_log_density(s)) {
       s.covariance = std::move(candidate.covariance);
       s.factor = std::move(candidate.factor);
       s.amplitude = candidate.amplitude;

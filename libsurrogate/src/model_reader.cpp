@@ -225,8 +225,11 @@ ParameterPosterior read_parameter_posterior(const Reader& file, const State& s) 
   posterior.variance_factor = file.get<double>("variance_factor");
   file.check(posterior.variance_factor >= 1.0 && std::isfinite(posterior.variance_factor),
              "the variance factor is below 1 or not finite");
-  if (!file.has_table("/parameter_uncertainty")) return posterior;
+  const auto directions = file.get<std::int64_t>("uncertain_directions");
+  if (directions == 0) return posterior;
   const Table t = file.read("/parameter_uncertainty");
+  file.check(static_cast<std::int64_t>(t.columns().size()) == directions,
+             "/parameter_uncertainty has not a column for each direction");
   file.check(static_cast<Eigen::Index>(t.rows()) == shape_parameters(s.data, s.covariance),
              "/parameter_uncertainty has not a row for each parameter");
   posterior.root.resize(static_cast<Eigen::Index>(t.rows()),

@@ -44,6 +44,7 @@ table::Attributes file_attributes(const NamedModel& named) {
           {"noise_ratio", s.covariance.noise_ratio},
           {"jitter", s.factor.jitter},
           {"variance_factor", s.parameters.variance_factor},
+          {"uncertain_directions", static_cast<std::int64_t>(s.parameters.root.cols())},
           {"fit_termination", std::string(to_string(s.report.termination))},
           {"fit_message", s.report.message},
           {"fit_evaluations", static_cast<std::int64_t>(s.report.evaluations)},

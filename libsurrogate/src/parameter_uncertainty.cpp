@@ -30,13 +30,21 @@ Matrix hessian(const NegativeLogPosterior& objective, const Vector& p,
   Vector here(p.size());
   Vector there(p.size());
   Matrix h(size, size);
-  objective(p, &here);
+  bool all_there = std::isfinite(objective(p, &here));
   for (Eigen::Index j = 0; j < size; ++j) {
-    Vector moved = p;
-    moved[free[static_cast<std::size_t>(j)]] += kStep;
-    if (!std::isfinite(objective(moved, &there))) h(0, j) = std::nan("");
-    h.col(j) = (there - here)(free) / kStep;
+    double step = kStep;
+    const auto moved = [&] {
+      Vector q = p;
+      q[free[static_cast<std::size_t>(j)]] += step;
+      return q;
+    };
+    if (!std::isfinite(objective(moved(), &there))) {  // at the edge of what can be factored
+      step = -kStep;
+      all_there = all_there && std::isfinite(objective(moved(), &there));
+    }
+    h.col(j) = (there - here)(free) / step;
   }
+  if (!all_there) h.setConstant(std::nan(""));
   return 0.5 * (h + h.transpose());
 }
 
@@ -130,7 +138,7 @@ Vector MeanSensitivity::squared_by_coordinates(const Dataset& data, const Correl
   const Encoding& encoding = data.encoding;
   const Vector y = root_ * e;
   const Vector g = k.slope.col(0);
-  const SecondSlopes second(correlator, k);
+  const SecondSlopes second(correlator, data.x, q, k);
   Vector r2_by_y = Vector::Zero(data.points());  // sum_s y_s sum_{c in s} w_c u_ic^2
   for (Eigen::Index c = 0; c < encoding.coordinates(); ++c)
     r2_by_y.array() +=

@@ -17,9 +17,18 @@ Posterior::Posterior(const ModelAccess::State& s, const Matrix& natural) {
     v = cross_correlation(correlator, s.data.x, at);
     e.resize(0, at.rows());
   } else {
-    CrossCorrelation k(correlator, s.data.x, at);
-    e = s.sensitivity.at(s.data, correlator, s.factor.alpha, at, h, k);
-    v = std::move(k.r);
+    constexpr Eigen::Index kBlock = 128;  // the slopes are needed no longer
+    v.resize(s.data.points(), at.rows());
+    for (Eigen::Index begin = 0; begin < at.rows(); begin += kBlock) {
+      const Eigen::Index size = std::min(kBlock, at.rows() - begin);
+      const Matrix q = at.middleRows(begin, size);
+      const CrossCorrelation k(correlator, s.data.x, q);
+      const Matrix part =
+          s.sensitivity.at(s.data, correlator, s.factor.alpha, q, h.middleRows(begin, size), k);
+      e.conservativeResize(part.rows(), at.rows());
+      e.middleCols(begin, size) = part;
+      v.middleCols(begin, size) = k.r;
+    }
   }
   mean = h * s.factor.beta + v.transpose() * s.factor.alpha;
   dense().solve_lower(s.factor.l.data(), v.rows(), v.data(), v.cols());

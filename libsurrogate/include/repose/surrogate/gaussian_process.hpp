@@ -68,9 +68,11 @@ class GaussianProcess {
   /// known noise variances the new one is their mean.
   GaussianProcess condition_on(const Vector& x, double y) const;
 
+  /// As estimated; predictions have larger variances, see ParameterUncertainty.
   Hyperparameters hyperparameters() const;
   /// Of an observation, in squared units of y (of the transformed y where that is modelled); the
-  /// mean of those that are known.
+  /// mean of those that are known. Prediction::observation_variance holds it times the factor of
+  /// ParameterUncertainty.
   double noise_variance() const;
   /// Regression coefficients in units of the (transformed) y, of inputs scaled to [0, 1]; constant:
   /// the mean.

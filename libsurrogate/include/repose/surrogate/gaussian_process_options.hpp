@@ -51,14 +51,16 @@ enum class Estimator {
 };
 const char* to_string(Estimator estimator);
 /// On length scales and noise ratio: jointly robust [Gu2019] keeps off the degenerate fits R -> I
-/// and R -> 1.
+/// and R -> 1. A second search follows, with the length scales of inert inputs held and a weaker
+/// prior on the others; the model that better predicts left-out points is kept.
 enum class Prior { none, jointly_robust };
 
 /// Whether predictions know that the hyper-parameters were estimated from the same data.
 enum class ParameterUncertainty {
-  ignored,     ///< taken as known
-  first_order  ///< their posterior as a Gaussian, its effect on the mean to first order: variances
-               ///< grow, means stay. Not with Estimator::loo, which is no likelihood.
+  ignored,  ///< taken as known
+  /// Their posterior as a Gaussian, its effect on the mean to first order: variances grow, those of
+  /// noise found in closed form too, means stay. Not with Estimator::loo, which is no likelihood.
+  first_order
 };
 const char* to_string(ParameterUncertainty uncertainty);
 

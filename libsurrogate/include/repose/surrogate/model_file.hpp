@@ -5,16 +5,16 @@
 //                  response_scale, kernel, alpha, noise, basis, estimator; shift and scale of
 //                  modelled y = shift + scale * standardised; amplitude (process variance/scale^2),
 //                  noise_ratio, jitter, within, log_repeats, log_jacobian; variance_factor of
-//                  amplitude and noise in predictions; how the fit went
+//                  amplitude and noise in predictions, uncertain_directions; how the fit went
 //   /inputs        a row an input: name, lower, upper, scale, levels (their number), coding
 //   /levels        of the categories: input, level
 //   /length_scales name, length_scale (in units of the coordinates u)
 //   /points        a row a different point: x1 ... xd in natural units, u1 ... up encoded, y (mean,
 //                  standardised), noise (weight v of its mean)
 //   /rows          a row an observation: point (index, from 0), y (standardised), noise (weight w)
-//   /factor        l: lower Cholesky factor of R + noise_ratio diag(v) + jitter I, packed by
-//   columns /parameter_uncertainty  root1 ...: B, the log parameters having the covariance B B^T;
-//   rows: the
+//   /factor        l: lower Cholesky factor of R + noise_ratio diag(v) + jitter I, by columns
+//   /parameter_uncertainty
+//                  root1 ...: B, so that the log parameters have the covariance B B^T; a row each:
 //                  length scales, alpha of the rational quadratic, noise ratio
 //   /trend         regression functions and their coefficients; /functions those of the user
 //   /parameters    what the fit searched for
