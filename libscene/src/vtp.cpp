@@ -204,6 +204,16 @@ void VtpWriter::write(const Snapshot& snapshot, const std::vector<WallPose>& pos
   write_indices();
 }
 
+void VtpWriter::remove_files_after(std::size_t number) const {
+  std::size_t last = number;
+  while (std::filesystem::exists(folder_ / particles_file(last + 1))) ++last;
+  // The last first, walls before particles: who is killed here finds the rest the next time.
+  for (; last > number; --last) {
+    remove_part(folder_ / walls_file(last));
+    remove_part(folder_ / particles_file(last));
+  }
+}
+
 void VtpWriter::go_on_after(const std::vector<double>& times_s,
                             const std::vector<WallPose>& poses) {
   times_s_ = times_s;
@@ -216,9 +226,7 @@ void VtpWriter::go_on_after(const std::vector<double>& times_s,
     if (number == 1) require_part(folder_ / walls);
     wall_files_.push_back(is_new ? walls : wall_files_.back());
   }
-  for (std::size_t number = times_s.size() + 1; remove_part(folder_ / particles_file(number));
-       ++number)
-    remove_part(folder_ / walls_file(number));
+  remove_files_after(times_s.size());
   if (!times_s.empty()) write_indices();
 }
 

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <regex>
 
+#include "repose/base/error.hpp"
 #include "repose/base/file.hpp"
 #include "repose/scene/vtp.hpp"
 #include "sample_case.hpp"
@@ -212,6 +213,32 @@ TEST(VtpWriter, WritesWallsOnlyWhenTheyMoveOrOpen) {
     EXPECT_NE(index.find(entry), std::string::npos) << entry << "\n" << index;
   EXPECT_NE(read_file(scratch.path / "particles.pvd").find("particles_000004.vtp"),
             std::string::npos);
+}
+
+TEST(VtpWriter, ThatFailsToRemoveAFileLeavesNoWallsWithoutParticlesNorAGap) {
+  const Scratch scratch;
+  const auto has = [&](const char* name) { return std::filesystem::exists(scratch.path / name); };
+  std::vector<WallPose> poses(2);
+  VtpWriter first(scratch.path, two_walls());
+  for (int k = 0; k < 4; ++k) {
+    poses[1].translation.z() = 0.1 * k;
+    first.write(three_spheres(k), poses);
+  }
+  // A folder with something in it cannot be removed as a file.
+  const std::filesystem::path stubborn = scratch.path / "particles_000003.vtp";
+  std::filesystem::remove(stubborn);
+  std::filesystem::create_directories(stubborn / "something");
+  poses[1].translation.z() = 0.0;
+  EXPECT_THROW(VtpWriter(scratch.path, two_walls()).go_on_after({0.0}, poses), StorageError);
+  EXPECT_FALSE(has("particles_000004.vtp") || has("walls_000004.vtp"));
+  EXPECT_FALSE(has("walls_000003.vtp"));
+  EXPECT_TRUE(has("particles_000003.vtp"));
+  EXPECT_TRUE(has("particles_000002.vtp") && has("walls_000002.vtp"));
+  std::filesystem::remove_all(stubborn / "something");
+  VtpWriter(scratch.path, two_walls()).go_on_after({0.0}, poses);
+  for (const char* name : {"particles_000002.vtp", "walls_000002.vtp", "particles_000003.vtp"})
+    EXPECT_FALSE(has(name)) << name;
+  EXPECT_TRUE(has("particles_000001.vtp") && has("walls_000001.vtp"));
 }
 
 }  // namespace

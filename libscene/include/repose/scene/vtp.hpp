@@ -50,6 +50,7 @@ class VtpWriter {
  private:
   WallPicture picture(const std::vector<WallPose>& poses) const;
   void write_indices() const;
+  void remove_files_after(std::size_t number) const;
   void write_index(const char* name, const std::vector<std::string>& files) const;
 
   std::filesystem::path folder_;
