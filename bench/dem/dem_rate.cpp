@@ -1,5 +1,6 @@
-// How fast the engine advances a case: repose_dem_rate CASE.toml STEPS [--time-step S] [--warm
-// STEPS] ...
+// How fast the engine advances a case, and what it holds in memory: repose_dem_rate CASE STEPS
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
@@ -18,7 +19,7 @@ double resident_bytes() {
   std::ifstream statm("/proc/self/statm");
   double total = 0.0, resident = 0.0;
   statm >> total >> resident;
-  return resident * 4096.0;
+  return resident * static_cast<double>(::sysconf(_SC_PAGESIZE));
 }
 
 struct Seconds {
