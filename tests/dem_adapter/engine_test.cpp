@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 
 #include <chrono>
+#include <cmath>
 #include <fstream>
 #include <thread>
 
@@ -92,11 +93,15 @@ TEST(BundledEngine, RecordsACrashButNotBeingKilledByOthers) {
 
 TEST(BundledEngine, KillsAnEngineThatIgnoresTheRequestToEnd) {
   const test::TemporaryDirectory directory;
-  const BundledEngine engine(script(directory, "trap '' TERM; while :; do sleep 0.05; done"));
-  const auto exit = engine.run({.directory = directory.path(), .time_limit_s = 0.1});
-  EXPECT_EQ(exit.status, EngineStatus::timed_out);
-  EXPECT_GT(exit.wall_time_s, 10.0);  // it had its grace
-  EXPECT_LT(exit.wall_time_s, 30.0);
+  const auto path = script(directory, "trap '' TERM; mkdir \"$3\"; while :; do sleep 0.05; done");
+  const BundledEngine engine(path, 0.2);
+  const auto is_deaf = [&] { return std::filesystem::exists(directory / "output"); };
+  const auto exit = engine.run({.directory = directory.path(), .cancelled = is_deaf});
+  EXPECT_EQ(exit.status, EngineStatus::cancelled);
+  EXPECT_GT(exit.wall_time_s, 0.2);  // it had its grace
+  EXPECT_LT(exit.wall_time_s, 10.0);
+  for (const double wrong : {-1.0, std::nan("")})
+    EXPECT_THROW(BundledEngine(path, wrong), InputError);
 }
 
 TEST(BundledEngine, IsNamedByItsContent) {

@@ -23,7 +23,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr auto kPoll = std::chrono::milliseconds(5);
-constexpr double kGrace_s = 10.0;  // between SIGTERM and SIGKILL, for its checkpoint
 
 bool is_executable(const std::filesystem::path& path) {
   return ::access(path.c_str(), X_OK) == 0 && !std::filesystem::is_directory(path);
@@ -121,8 +120,12 @@ std::string content_of(const std::filesystem::path& program) {
 
 }  // namespace
 
-BundledEngine::BundledEngine(std::filesystem::path program)
-    : program_(program.empty() ? find_program("repose-dem") : std::move(program)) {
+BundledEngine::BundledEngine(std::filesystem::path program, double grace_s)
+    : program_(program.empty() ? find_program("repose-dem") : std::move(program)),
+      grace_s_(grace_s) {
+  if (!(grace_s_ >= 0.0))
+    throw InputError(fmt::format(
+        "the grace of an engine is {} s; give 0 or more, enough for a checkpoint", grace_s_));
   if (!is_executable(program_))
     throw StorageError(
         fmt::format("the engine {} cannot be run; check the path", program_.string()));
@@ -164,7 +167,7 @@ EngineExit BundledEngine::run(const EngineJob& job) const {
         ::kill(-child, SIGTERM);
         ended_at = now;
       }
-    } else if (now - ended_at > kGrace_s) {
+    } else if (now - ended_at > grace_s_) {
       ::kill(-child, SIGKILL);
     }
     std::this_thread::sleep_for(kPoll);

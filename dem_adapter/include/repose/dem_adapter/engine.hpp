@@ -67,9 +67,10 @@ class Engine {
 /// limit ends everything it started, and that dies with us.
 class BundledEngine {
  public:
-  /// `program` empty: repose-dem beside the running program, then on PATH. Throws StorageError if
-  /// there is none.
-  explicit BundledEngine(std::filesystem::path program = {});
+  /// `program` empty: repose-dem beside the running program, then on PATH. A run that is told to
+  /// end has `grace_s` for its checkpoint before it is killed. Throws StorageError if there is no
+  /// program, InputError for a grace below 0.
+  explicit BundledEngine(std::filesystem::path program = {}, double grace_s = 10.0);
   std::string name() const;
   /// Throws the Error of the engine where no run could succeed (bad input, a full disk) and
   /// SimulationError where it was killed by somebody else: neither says anything about the run.
@@ -77,6 +78,7 @@ class BundledEngine {
 
  private:
   std::filesystem::path program_;
+  double grace_s_;
   std::string name_;
 };
 
