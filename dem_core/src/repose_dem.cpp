@@ -9,7 +9,6 @@
 #include <optional>
 
 #include "repose/base/error.hpp"
-#include "repose/base/file.hpp"
 #include "repose/base/text.hpp"
 #include "repose/dem/run_case.hpp"
 #include "repose/scene/case_keys.hpp"
@@ -64,19 +63,6 @@ bool is_file_name(const fs::path& output) {
   return output.extension() == ".h5";
 }
 
-/// Runs in a folder, or beside a file that the result is then moved onto.
-repose::scene::RunSummary run_into(const repose::scene::Case& scene, const fs::path& output,
-                                   const repose::dem::RunControl& control) {
-  if (!is_file_name(output)) return repose::dem::run_case(scene, output, control);
-  fs::path parts = output;
-  parts += ".parts";
-  const repose::scene::RunSummary summary = repose::dem::run_case(scene, parts, control);
-  repose::commit_file(parts / "run.h5", output);
-  std::error_code ignored;  // the result is in place; a folder left behind does no harm
-  fs::remove_all(parts, ignored);
-  return summary;
-}
-
 void print_json(const repose::scene::RunSummary& s, const std::string& output) {
   nlohmann::ordered_json json;
   json["output"] = output;
@@ -121,6 +107,8 @@ void run(const Options& options) {
     display.finish();
     fmt::print(stderr, "repose-dem: warning: {}\n", text);
   };
+  const auto run_into =
+      is_file_name(options.output) ? repose::dem::run_case_into_file : repose::dem::run_case;
   const repose::scene::RunSummary summary =
       run_into(scene, options.output,
                {.progress = display.callback(), .request = request, .warn = warn, .start = start});

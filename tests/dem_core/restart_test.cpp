@@ -3,6 +3,7 @@
 
 #include "restart_cases.hpp"
 
+#include "checkpoint/build_name.hpp"
 #include "repose/base/error.hpp"
 #include "repose/dem/run_case.hpp"
 
@@ -183,12 +184,84 @@ TEST(RunCase, RefusesTheCheckpointOfAnotherCaseByWhatDiffers) {
   EXPECT_EQ(read_file(scene::checkpoint_file(folder.path)), before);
 }
 
+/// What a run says that goes on in this folder.
+std::string warnings(const scene::Case& c, const fs::path& run_dir) {
+  std::string all;
+  run_case(c, run_dir, {.warn = [&](std::string_view text) { all += text; }});
+  return all;
+}
+
+TEST(RunCase, NamesBothBuildsWhereAnotherOneWroteTheCheckpoint) {
+  const TestFolder folder;
+  const fs::path file = scene::checkpoint_file(folder.path);
+  const scene::Case c = above_nothing();
+  leave_checkpoint(c, folder.path);
+  EXPECT_EQ(warnings(c, folder.path), "");
+  leave_checkpoint(c, folder.path);
+  Checkpoint checkpoint = read_checkpoint(file);
+  checkpoint.attributes["build"] = std::string("0.0.9 build 0123456789abcdef");
+  write_checkpoint(file, checkpoint);
+  const std::string said = warnings(c, folder.path);
+  EXPECT_NE(said.find("0.0.9 build 0123456789abcdef"), std::string::npos) << said;
+  EXPECT_NE(said.find("this is " + build_name()), std::string::npos) << said;
+  EXPECT_NE(read_file(folder.path / "log.txt").find("warning: " + said), std::string::npos);
+}
+
 TEST(RunCase, BeginsAnewIfToldTo) {
   const TestFolder folder;
   scene::Case c = above_nothing();
   leave_checkpoint(c, folder.path);
   c.seed = 2;
   EXPECT_EQ(run_case(c, folder.path, {.start = Start::anew}).seed, 2u);
+}
+
+/// A run of this case that was finished in the folder of `file` and killed before it was moved.
+void leave_finished(const scene::Case& c, const fs::path& file) {
+  run_case(c, file.string() + ".parts");
+}
+
+TEST(RunCaseIntoFile, MovesARunThatWasFinishedBefore) {
+  const TestFolder folder;
+  const fs::path file = folder.path / "result.h5";
+  scene::Case c = above_nothing();
+  leave_finished(c, file);
+  const std::string finished = read_file(folder.path / "result.h5.parts" / "run.h5");
+  c.output.checkpoint_wall_time_s = 1.0;
+  const scene::RunSummary summary = run_case_into_file(c, file);
+  EXPECT_EQ(read_file(file), finished);  // with the wall time of then
+  EXPECT_EQ(summary.state_hash, scene::read_run(file).summary().state_hash);
+  EXPECT_FALSE(fs::exists(folder.path / "result.h5.parts"));
+}
+
+TEST(RunCaseIntoFile, RunsAnewWhereAnotherCaseOrADamagedFileIsFinished) {
+  const TestFolder folder;
+  const fs::path file = folder.path / "result.h5";
+  scene::Case c = above_nothing();
+  leave_finished(c, file);
+  c.seed = 2;
+  EXPECT_EQ(run_case_into_file(c, file).seed, 2u);
+  fs::create_directories(folder.path / "result.h5.parts");
+  std::ofstream(folder.path / "result.h5.parts" / "run.h5") << "no table";
+  EXPECT_EQ(run_case_into_file(c, file).seed, 2u);
+  EXPECT_EQ(scene::read_run(file).summary().seed, 2u);
+}
+
+TEST(RunCaseIntoFile, DoesNotBeginWhereItsResultCouldNotBePut) {
+  const TestFolder folder;
+  const fs::path file = folder.path / "result.h5";
+  fs::create_directories(file);
+  EXPECT_THROW(run_case_into_file(above_nothing(), file), StorageError);
+  EXPECT_FALSE(fs::exists(folder.path / "result.h5.parts"));
+}
+
+TEST(RunCaseIntoFile, BeginsAnewIfToldTo) {
+  const TestFolder folder;
+  const fs::path file = folder.path / "result.h5";
+  const scene::Case c = above_nothing();
+  leave_finished(c, file);
+  const std::string finished = read_file(folder.path / "result.h5.parts" / "run.h5");
+  run_case_into_file(c, file, {.start = Start::anew});
+  EXPECT_NE(read_file(file), finished);  // at least the wall time
 }
 
 TEST(RunCase, GoesOnWithAnotherIntervalOfCheckpoints) {

@@ -48,7 +48,6 @@ void append(const std::filesystem::path& file, const std::string& text) {
 table::Attributes file_attributes(const Checkpoint& checkpoint) {
   table::Attributes attributes = checkpoint.attributes;
   attributes["case"] = checkpoint.case_text;
-  attributes["version"] = std::string(version());
   return attributes;
 }
 
@@ -63,7 +62,8 @@ T attribute(const table::Attributes& attributes, const std::string& name) {
 }
 
 [[noreturn]] void damaged(const std::filesystem::path& file, const std::string& why) {
-  throw StorageError(file.string() + ": " + why + "; remove it or begin the run anew (--from-start)");
+  throw StorageError(file.string() + ": " + why +
+                     "; remove it or begin the run anew (--from-start)");
 }
 
 /// Lines of a case with the section that each belongs to.

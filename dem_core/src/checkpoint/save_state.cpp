@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "checkpoint/build_name.hpp"
 #include "checkpoint/columns.hpp"
 #include "checkpoint/contact_records.hpp"
 #include "repose/dem/checkpoint.hpp"
@@ -157,6 +158,7 @@ Checkpoint Simulation::State::checkpoint() const {
       {"/rains", rains_table(rains)},
   };
   saved.attributes = {
+      {"build", build_name()},
       {"steps", steps},
       {"time_step_s", dt},
       {"time_step_option_s", options.time_step_s},

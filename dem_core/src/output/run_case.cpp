@@ -8,10 +8,12 @@
 #include <ctime>
 #include <optional>
 
+#include "checkpoint/build_name.hpp"
 #include "output/records.hpp"
 #include "output/run_lock.hpp"
 #include "output/run_state.hpp"
 #include "repose/base/error.hpp"
+#include "repose/base/file.hpp"
 #include "repose/base/text.hpp"
 #include "repose/dem/simulation.hpp"
 
@@ -65,6 +67,14 @@ std::optional<Checkpoint> checkpoint_of(const scene::Case& scene,
   return checkpoint;
 }
 
+/// The build of the program that wrote it.
+std::string builder_of(const Checkpoint& checkpoint) {
+  const auto found = checkpoint.attributes.find("build");
+  const auto* const name =
+      found == checkpoint.attributes.end() ? nullptr : std::get_if<std::string>(&found->second);
+  return name != nullptr ? *name : "of an unnamed build";
+}
+
 /// A run under way.
 class Runner {
  public:
@@ -92,6 +102,7 @@ class Runner {
         checkpoint_file_(scene::checkpoint_file(run_dir)),
         now_(saved ? run_state_of(*saved) : RunState{}),
         goes_on_(saved.has_value()),
+        begun_by_(saved ? builder_of(*saved) : build_name()),
         writer_(saved ? scene::RunWriter(run_dir, scene, now_.output)
                       : scene::RunWriter(run_dir, scene)),
         sim_(begun(scene, saved, writer_)) {
@@ -132,7 +143,8 @@ class Runner {
       snapshot_every_ = steps_of(scene_.output.snapshot_interval_s, dt_);
     if (goes_on_) {
       writer_.log(fmt::format("repose-dem {}: goes on from the checkpoint at {:.6g} s, step {}",
-                              version(), sim_.time_s(), sim_.steps()));
+                              build_name(), sim_.time_s(), sim_.steps()));
+      if (begun_by_ != build_name()) warn_of_other_build();
       return;
     }
     for (const std::string& line : head_of_log(scene_, sim_)) writer_.log(line);
@@ -282,8 +294,16 @@ class Runner {
     if (is_soft && !was_soft) warn_of_soft_contact();
   }
 
-  void warn_of_soft_contact() {
-    const std::string text = soft_contact_text(scene_, now_.deepest);
+  void warn_of_other_build() {
+    warn(fmt::format(
+        "the checkpoint was written by repose-dem {}, this is {}: the bits of the result may be "
+        "those of neither; to be sure, begin the run anew (--from-start)",
+        begun_by_, build_name()));
+  }
+
+  void warn_of_soft_contact() { warn(soft_contact_text(scene_, now_.deepest)); }
+
+  void warn(const std::string& text) {
     writer_.log("warning: " + text);
     if (control_.warn) control_.warn(text);
   }
@@ -294,6 +314,7 @@ class Runner {
   Stopwatch watch_;
   RunState now_;
   bool goes_on_;
+  std::string begun_by_;  // build of the program that wrote the checkpoint
   scene::RunWriter writer_;
   Simulation sim_;
   scene::RunSummary summary_;
@@ -303,6 +324,28 @@ class Runner {
   std::int64_t snapshot_every_ = 0;
 };
 
+/// The summary of a finished run of this case.
+std::optional<scene::RunSummary> finished_run(const scene::Case& scene,
+                                              const std::filesystem::path& file) {
+  if (!std::filesystem::exists(file)) return std::nullopt;
+  try {
+    const scene::Run run = scene::read_run(file);
+    scene::Case finished = run.scene();
+    finished.output.checkpoint_wall_time_s = scene.output.checkpoint_wall_time_s;
+    if (finished == scene) return run.summary();
+  } catch (const Error&) {
+    // What cannot be read is of no use.
+  }
+  return std::nullopt;
+}
+
+/// Removes what is in the folder, but for the lock.
+void remove_content(const std::filesystem::path& folder, const RunLock& lock) {
+  std::error_code ignored;  // the result is in place; what is left behind does no harm
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
+    if (entry.path() != lock.file()) std::filesystem::remove_all(entry.path(), ignored);
+}
+
 }  // namespace
 
 scene::RunSummary run_case(const scene::Case& scene, const std::filesystem::path& run_dir,
@@ -310,6 +353,26 @@ scene::RunSummary run_case(const scene::Case& scene, const std::filesystem::path
   scene::validate(scene);
   const RunLock lock(run_dir);
   return Runner(scene, run_dir, control).run();
+}
+
+scene::RunSummary run_case_into_file(const scene::Case& scene, const std::filesystem::path& file,
+                                     const RunControl& control) {
+  scene::validate(scene);
+  if (std::filesystem::is_directory(file))
+    throw StorageError("'" + file.string() + "' is a folder; give another name for the result");
+  std::filesystem::path parts = file;
+  parts += ".parts";
+  std::optional<scene::RunSummary> summary;
+  {
+    const RunLock lock(parts);
+    if (control.start == Start::where_stopped) summary = finished_run(scene, parts / "run.h5");
+    if (!summary) summary = Runner(scene, parts, control).run();
+    commit_file(parts / "run.h5", file);
+    remove_content(parts, lock);
+  }
+  std::error_code ignored;
+  std::filesystem::remove(parts, ignored);  // unless somebody runs there by now
+  return *summary;
 }
 
 }  // namespace repose::dem

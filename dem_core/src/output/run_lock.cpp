@@ -30,22 +30,32 @@ bool is_current(int descriptor, const std::filesystem::path& file) {
 }  // namespace
 
 RunLock::RunLock(const std::filesystem::path& run_dir) : file_(run_dir / ".running") {
-  make_directory(run_dir);
-  for (const auto begin = std::chrono::steady_clock::now();;) {
+  const auto begin = std::chrono::steady_clock::now();
+  for (;;) {
+    make_directory(run_dir);
+    const bool is_late = std::chrono::steady_clock::now() - begin >= kPatience;
     descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-    if (descriptor_ < 0)
+    const bool is_gone = descriptor_ < 0 && errno == ENOENT;  // its last holder removed the folder
+    if (descriptor_ < 0 && (is_late || !is_gone))
       throw StorageError("cannot write in '" + run_dir.string() + "': " + std::strerror(errno));
-    const bool is_locked = ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0;
-    const bool is_held = !is_locked && errno == EWOULDBLOCK;
-    // Where a file system knows no locks, the run goes without.
-    if (!is_held && (!is_locked || is_current(descriptor_, file_))) return;
-    ::close(descriptor_);
-    if (is_held && std::chrono::steady_clock::now() - begin < kPatience)
-      std::this_thread::sleep_for(kPoll);
-    else if (is_held)
-      throw StorageError("another process is running in '" + run_dir.string() +
-                         "'; wait for it, end it or choose another folder");
+    if (!is_gone && take(is_late ? Attempt::last : Attempt::early)) return;
+    std::this_thread::sleep_for(kPoll);
   }
+}
+
+bool RunLock::take(Attempt attempt) {
+  const bool is_locked = ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0;
+  const bool is_held = !is_locked && errno == EWOULDBLOCK;
+  // Where a file system knows no locks, the run goes without; and where a file has another number
+  // by its name than by its descriptor, as may be over a network, nothing tells whether it is
+  // current.
+  if (!is_held && (!is_locked || attempt == Attempt::last || is_current(descriptor_, file_)))
+    return true;
+  ::close(descriptor_);
+  if (attempt == Attempt::last)
+    throw StorageError("another process is running in '" + file_.parent_path().string() +
+                       "'; wait for it, end it or choose another folder");
+  return false;
 }
 
 RunLock::~RunLock() {

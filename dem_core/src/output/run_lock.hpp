@@ -14,8 +14,14 @@ class RunLock {
   ~RunLock();
   RunLock(const RunLock&) = delete;
   RunLock& operator=(const RunLock&) = delete;
+  const std::filesystem::path& file() const { return file_; }
 
  private:
+  enum class Attempt { early, last };
+  /// Locks the open file, or closes it. Throws StorageError if another process holds it to the
+  /// last.
+  bool take(Attempt attempt);
+
   std::filesystem::path file_;
   int descriptor_ = -1;
 };

@@ -26,8 +26,9 @@ struct RunControl {
   ProgressCallback progress{};
   /// Asked about twice a second, and answered at once.
   std::function<Request()> request{};
-  /// Told what a user should know and the log has too: contacts that are too soft, when the first
-  /// of them is seen, and of the deepest when the run has finished.
+  /// Told what a user should know and the log has too: a checkpoint of another build of the
+  /// program; contacts that are too soft, when the first of them is seen, and of the deepest when
+  /// the run has finished.
   std::function<void(std::string_view)> warn{};
   Start start = Start::where_stopped;
 };
@@ -45,5 +46,11 @@ struct RunStopped : SimulationError {
 /// checkpoint is still there. Throws RunStopped.
 scene::RunSummary run_case(const scene::Case& scene, const std::filesystem::path& run_dir,
                            const RunControl& control = {});
+
+/// The same beside `file`, in the folder `file`.parts, whose run.h5 becomes `file` at the end; then
+/// the folder is removed. Where an earlier run of this case was finished but not yet moved, only
+/// that is done (but not with Start::anew).
+scene::RunSummary run_case_into_file(const scene::Case& scene, const std::filesystem::path& file,
+                                     const RunControl& control = {});
 
 }  // namespace repose::dem
