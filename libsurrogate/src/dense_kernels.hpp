@@ -26,63 +26,44 @@ constexpr Index block_for(Index n) {
 constexpr Index kChunk = 16;
 using Chunk = Eigen::Array<double, kChunk, 1>;
 
-[[gnu::always_inline]] inline Chunk load(const double* from, Index n) {
+Chunk load(const double* from, Index n) {
   if (n >= kChunk) return Eigen::Map<const Chunk>(from);
   Chunk c = Chunk::Zero();
   for (Index i = 0; i < n; ++i) c[i] = from[i];
   return c;
 }
 
-[[gnu::always_inline]] inline void store(const Chunk& c, double* to, Index n) {
+void store(const Chunk& c, double* to, Index n) {
   if (n >= kChunk)
     Eigen::Map<Chunk>{to} = c;
   else
     for (Index i = 0; i < n; ++i) to[i] = c[i];
 }
 
-using Packet = Eigen::internal::packet_traits<double>::type;
-using Bits = long long __attribute__((vector_size(sizeof(Packet))));
-
-/// a b + c as pmadd of packets rounds it.
-[[gnu::always_inline]] inline double multiply_add(double a, double b, double c) {
-#ifdef __FMA__
-  return __builtin_fma(a, b, c);
-#else
-  return a * b + c;
-#endif
-}
-
 void squared_distances_(const double* x, Index n, Index stride, Index dimension, const double* q,
                         Index q_stride, const double* weight, double* out) {
-  using namespace Eigen::internal;
-  constexpr Index kSize = sizeof(Packet) / sizeof(double);
-  constexpr Index kSums = 4;  // in registers
   Index i = 0;
-  for (; i + kSums * kSize <= n; i += kSums * kSize) {
-    Packet sum[kSums];
-    for (Packet& s : sum) s = pset1<Packet>(0.0);
-    for (Index k = 0; k < dimension; ++k) {
-      const Packet w = pset1<Packet>(weight[k]);
-      const Packet at = pset1<Packet>(q[k * q_stride]);
-      for (Index j = 0; j < kSums; ++j) {
-        const Packet step = psub(ploadu<Packet>(x + i + j * kSize + k * stride), at);
-        sum[j] = pmadd(pmul(w, step), step, sum[j]);
-      }
-    }
-    for (Index j = 0; j < kSums; ++j) pstoreu(out + i + j * kSize, sum[j]);
+  for (; i + kChunk <= n; i += kChunk) {
+    Chunk sum = Chunk::Zero();  // stays in registers
+    for (Index k = 0; k < dimension; ++k)
+      sum += weight[k] * (Eigen::Map<const Chunk>(x + i + k * stride) - q[k * q_stride]).square();
+    Eigen::Map<Chunk>{out + i} = sum;
   }
   for (; i < n; ++i) {
     out[i] = 0.0;
     for (Index k = 0; k < dimension; ++k) {
       const double step = x[i + k * stride] - q[k * q_stride];
-      out[i] = multiply_add(weight[k] * step, step, out[i]);
+      out[i] += weight[k] * (step * step);
     }
   }
 }
 
+using Packet = Eigen::internal::packet_traits<double>::type;
+using Bits = long long __attribute__((vector_size(sizeof(Packet))));
+
 /// exp(x) for x <= 0, to 2 units in the last place; 0 below -708. x = n log 2 + r, |r| <= log(2)/2,
 /// and Taylor's polynomial of degree 13 of r, by Estrin's scheme.
-[[gnu::always_inline]] inline Packet exp_of_negative(const Packet& x) {
+Packet exp_of_negative(const Packet& x) {
   using namespace Eigen::internal;
   const auto constant = [](double c) { return pset1<Packet>(c); };
   constexpr double kRound = 6755399441055744.0;  // 1.5 * 2^52: adding it leaves n in the last bits
@@ -107,7 +88,7 @@ void squared_distances_(const double* x, Index n, Index stride, Index dimension,
   return pand(scaled, pcmp_le(constant(-708.0), x));
 }
 
-[[gnu::always_inline]] inline Chunk exp_of_negative(const Chunk& x) {
+Chunk exp_of_negative(const Chunk& x) {
   constexpr Index kSize = sizeof(Packet) / sizeof(double);
   Chunk result;
   for (Index i = 0; i < kChunk; i += kSize)
@@ -122,7 +103,7 @@ struct Correlated {
   Chunk g;
 };
 
-[[gnu::always_inline]] inline Correlated correlate_chunk(Correlation correlation, const Chunk& r2) {
+Correlated correlate_chunk(Correlation correlation, const Chunk& r2) {
   switch (correlation) {
     case Correlation::exponential: {
       const Chunk s = r2.sqrt();
