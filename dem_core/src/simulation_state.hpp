@@ -45,7 +45,7 @@ struct Simulation::State {
   double initial_j = 0.0;        // kinetic, potential and stored at the start
   std::int32_t next_sphere = 0;  // ids
   std::int32_t next_body = 0;
-  double dt = 0.0;        // 0 until prepared
+  double dt = 0.0;            // 0 until prepared
   double least_radius = 0.0;  // present or to come
   Skin skin{0.0, 1.0};
   std::int64_t steps = 0;
