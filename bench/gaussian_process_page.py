@@ -119,7 +119,7 @@ def speed(stages, tally):
     return f'''## Time
 
 Sides alternate on one core, one thread; median of five after a warm-up; seconds. Estimator `ml` without a prior and with estimated
-noise, which is scikit-learn's model but for the mean: it subtracts that of y, repose estimates it. Both negative log likelihoods are recomputed from the
+noise, parameters taken as known, which is scikit-learn's model but for the mean: it subtracts that of y, repose estimates it. Both negative log likelihoods are recomputed from the
 returned parameters by one function in extended precision, at the mean of least squares and at that of y (without noise they are within a nat of what
 doubles can tell: the fits themselves see less). scikit-learn: normalize_y, length scales in [0.01, 1000],
 amplitude in [10⁻³, 10⁹], noise in [10⁻¹², 10]; 185 points with `n_restarts_optimizer=4`, the others from repose's own starts (what repose spends on finding
@@ -129,7 +129,7 @@ them counts against it alone) with length scales up to repose's 10⁵. Required:
 
 Mean and standard deviation at 100,000 points, borehole, 200 training points, same parameters; scikit-learn asked once for all points, as repose is,
 and for 2000 at a time, which spares it matrices of 160 MB. Required: the ratio of one call each. The
-4·10⁹ flops that the variances need anyhow take 0.07 s at the peak rate of such a core, so tenfold is out of reach where scikit-learn needs less than 0.7 s. Differences in standard deviations of the
+4·10⁹ flops that the variances need anyhow take 0.07 s at the peak rate of such a core, half of what repose needs; correlations and distances take most of the rest. Differences in standard deviations of the
 function, where scikit-learn has 10⁻¹⁰ more on the diagonal.
 
 {table(['kernel', 'repose', 'scikit-learn, at once', 'by 2000', 'ratio', 'ratio by 2000', 'required', 'load', 'mean differs', 'sd differs', ''], predicted)}
@@ -197,7 +197,8 @@ def accuracy(stages, tally):
 Medians over 20 random Latin hypercubes of each function (Branin 30 points, Hartmann 6 80, borehole 80, Friedman 50 in 5 inputs and 80 in 10, of which
 5 are inert, wing weight 80), without noise and with a tenth of the function's standard deviation, at 1000 random points: RMSE of the mean from the
 function, and negative log predictive density of observations (with their noise, where there is any), both in standard deviations of the function; share of
-observations within 95 % intervals. repose at its defaults (`reml`, jointly robust prior, constant, Matérn 5/2, noise estimated);
+observations within 95 % intervals. repose at its defaults (`reml`, jointly robust prior, constant, Matérn 5/2, noise estimated, parameters uncertain
+to first order); 
 scikit-learn tuned (Matérn 5/2 and noise, normalize_y, wide bounds as above, five restarts); OpenTURNS tuned (inputs in [0, 1], y standardised, scales in
 [0.01, 100], constant, Matérn 5/2, six starts of TNC). OpenTURNS 1.20 cannot estimate a nugget: with noise it is searched for from outside by the likelihood, over four decades and beside the best one;
 without noise it is 10⁻¹², or 10⁻⁸ where that fails. Inputs without effect and noise that is absent are told to no side. A fit may take 300 s; one that fails

@@ -64,8 +64,8 @@ class GaussianProcess {
   /// correlation times the standard deviations of y. O((m + p) n^2 + m p n).
   Matrix covariance(const Matrix& a, const Matrix& b) const;
 
-  /// The model told y at x too, everything else kept: O(n^2), O(n^3) where x is a repeat. With
-  /// known noise variances the new one is their mean.
+  /// The model told y at x too, everything else kept: O(n^2) for each uncertain parameter, O(n^3)
+  /// where x is a repeat. With known noise variances the new one is their mean.
   GaussianProcess condition_on(const Vector& x, double y) const;
 
   /// As estimated; predictions have larger variances, see ParameterUncertainty.
