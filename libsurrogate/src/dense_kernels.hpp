@@ -226,8 +226,23 @@ void solve_lower_(const double* l, Index n, double* b, Index m) {
   Square(b, n, m) = right;
 }
 
-constexpr Dense kDense{REPOSE_DENSE_NAME, squared_distances_, correlate_,    weighted_square_sum_,
-                       cholesky_,         lower_inverse_,     inverse_from_, solve_lower_};
+void multiply_lower_(const double* p, Index n, double* b, Index m) {
+  constexpr Index kRows = 48;
+  thread_local Eigen::MatrixXd right;
+  thread_local Eigen::MatrixXd product;
+  right = ConstSquare(b, n, m);
+  product.resize(n, m);
+  for (Index r = 0; r < n; r += kRows) {
+    const Index s = std::min(kRows, n - r);
+    product.middleRows(r, s).noalias() =
+        ConstSquare(p, n, n).block(r, 0, s, r + s) * right.topRows(r + s);
+  }
+  Square(b, n, m) = product;
+}
+
+constexpr Dense kDense{REPOSE_DENSE_NAME,    squared_distances_, correlate_,
+                       weighted_square_sum_, cholesky_,          lower_inverse_,
+                       inverse_from_,        solve_lower_,       multiply_lower_};
 
 }  // namespace
 }  // namespace repose::surrogate

@@ -6,7 +6,7 @@
 
 namespace repose::surrogate {
 
-Posterior::Posterior(const ModelAccess::State& s, const Matrix& natural) {
+Posterior::Posterior(const ModelAccess::State& s, const Matrix& natural, const Matrix* l_inverse) {
   if (natural.cols() != s.data.dimension())
     throw InputError(fmt::format("a prediction at points of {} inputs; the model has {}",
                                  natural.cols(), s.data.dimension()));
@@ -31,7 +31,10 @@ Posterior::Posterior(const ModelAccess::State& s, const Matrix& natural) {
     }
   }
   mean = h * s.factor.beta + v.transpose() * s.factor.alpha;
-  dense().solve_lower(s.factor.l.data(), v.rows(), v.data(), v.cols());
+  if (l_inverse == nullptr)
+    dense().solve_lower(s.factor.l.data(), v.rows(), v.data(), v.cols());
+  else
+    dense().multiply_lower(l_inverse->data(), v.rows(), v.data(), v.cols());
   t.resize(h.cols(), at.rows());
   if (h.cols() > 0)
     t = s.factor.u.transpose().triangularView<Eigen::Lower>().solve(h.transpose()) -

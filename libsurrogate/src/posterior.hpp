@@ -15,7 +15,8 @@ struct Posterior {
   Matrix t;  ///< q x m
   Matrix e;  ///< r x m
 
-  Posterior(const ModelAccess::State& s, const Matrix& natural);
+  /// With L^-1, where many points follow each other, V is a product and no solution.
+  Posterior(const ModelAccess::State& s, const Matrix& natural, const Matrix* l_inverse = nullptr);
   /// 1 - |v_i|^2: at known coefficients.
   Vector kriging_variance() const { return 1.0 - v.colwise().squaredNorm().transpose().array(); }
   Vector trend_variance() const { return t.colwise().squaredNorm(); }

@@ -13,6 +13,8 @@ namespace {
 using State = ModelAccess::State;
 
 constexpr Eigen::Index kBlock = 128;
+/// Rows a point of the data from which L^-1, n^3/3 flops, is worth its while.
+constexpr Eigen::Index kManyRows = 8;
 constexpr double kFarFromData = 0.8 * 0.8;  // of the process variance
 
 /// Of standardised responses, in units of the process variance.
@@ -30,9 +32,11 @@ Gaussian modelled_at(const State& s, const Block& block, Eigen::Index i) {
 
 template <class Use>
 void for_each_row(const State& s, const Matrix& x, const Use& use) {
+  const bool many = x.rows() >= kManyRows * s.data.points();
+  const Matrix l_inverse = many ? lower_inverse(s.factor.l) : Matrix();
   for (Eigen::Index begin = 0; begin < x.rows(); begin += kBlock) {
     const Eigen::Index size = std::min(kBlock, x.rows() - begin);
-    const Posterior posterior(s, x.middleRows(begin, size));
+    const Posterior posterior(s, x.middleRows(begin, size), many ? &l_inverse : nullptr);
     const Block block{posterior.mean, posterior.kriging_variance(), posterior.variance()};
     for (Eigen::Index i = 0; i < size; ++i) use(block, i, begin + i);
   }

@@ -68,6 +68,19 @@ TEST(PredictGradient, EqualsDifferencesWhereParametersAreUncertain) {
     }
 }
 
+// many rows go by L^-1, whose products differ from solutions by the condition of L, below 1e4 here
+TEST(PredictRows, OfManyAgreesWithOneByOne) {
+  const Sample s;
+  const auto gp = GaussianProcess::fit(s.x, s.y, s.cube);
+  const Matrix q = uniform_points(1000, 3, 9);
+  const std::vector<Gaussian> many = gp.predict_rows(q);
+  for (Eigen::Index i = 0; i < q.rows(); ++i) {
+    const Gaussian one = gp.predict(q.row(i));
+    EXPECT_NEAR(many[static_cast<std::size_t>(i)].mean, one.mean, 1e-12);
+    EXPECT_NEAR(many[static_cast<std::size_t>(i)].variance, one.variance, 1e-11);
+  }
+}
+
 /// Two numbers, one of them over three decades, and a category.
 struct Mixed {
   Matrix x = uniform_points(40, 3, 15);

@@ -352,7 +352,7 @@ void add_model_options(CLI::App* command, FitOptions* o) {
       ->check(CLI::IsMember({"jointly-robust", "none"}));
   command
       ->add_option("--parameter-uncertainty", o->parameter_uncertainty,
-                   "first-order: variances know that parameters are estimates (not with loo)")
+                   "first-order: variances know that these are estimates (not loo)")
       ->capture_default_str()
       ->check(CLI::IsMember({"first-order", "ignored"}));
   command->add_option("--bound", o->bounds,

@@ -53,7 +53,8 @@ class GaussianProcess {
   const Matrix& points() const;  ///< the different ones, natural units
 
   /// Of the function at x (length d; rows: m x d), natural units. One point and rows agree to
-  /// rounding. predict_rows costs O(n^2) a row, in blocks.
+  /// rounding, times the root of the covariance's condition where rows are many. predict_rows costs
+  /// O(n^2) a row, in blocks.
   Gaussian predict(const Vector& x) const;
   std::vector<Gaussian> predict_rows(const Matrix& x) const;
   std::vector<Prediction> predictions(const Matrix& x) const;
