@@ -129,7 +129,7 @@ them counts against it alone) with length scales up to repose's 10⁵. Required:
 
 Mean and standard deviation at 100,000 points, borehole, 200 training points, same parameters; scikit-learn asked once for all points, as repose is,
 and for 2000 at a time, which spares it matrices of 160 MB. Required: the ratio of one call each. The
-4·10⁹ flops that the variances need anyhow take 0.07 s at the peak rate of such a core, half of what repose needs; correlations and distances take most of the rest. Differences in standard deviations of the
+4·10⁹ flops that the variances need anyhow take 0.07 s at the peak rate of such a core, over a third of what repose needs. Differences in standard deviations of the
 function, where scikit-learn has 10⁻¹⁰ more on the diagonal.
 
 {table(['kernel', 'repose', 'scikit-learn, at once', 'by 2000', 'ratio', 'ratio by 2000', 'required', 'load', 'mean differs', 'sd differs', ''], predicted)}

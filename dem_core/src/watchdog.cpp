@@ -10,7 +10,7 @@
 namespace repose::dem {
 namespace {
 
-// Of the smaller radius. Soft spheres that fall far may come up to 35 % without anything being
+// Of the smaller radius. Soft spheres that fall far may come up to 36 % without anything being
 // wrong; beyond 50 % a sphere may pass through the other.
 constexpr double kLargestOverlap = 0.3;
 constexpr double kLargestOverlapOfAnImpact = 0.5;

@@ -5,6 +5,7 @@
 #include <Eigen/QR>
 #include <chrono>
 #include <cmath>
+#include <optional>
 
 #include "dense.hpp"
 #include "repose/base/error.hpp"
@@ -83,23 +84,22 @@ void find_parameters(State& s, const NegativeLogPosterior& objective, const Sear
                      const GaussianProcessOptions& options) {
   opt::Minimum best = search(objective, space, s.data, options);
   adopt(s, objective, best.x);
-  const NegativeLogPosterior weaker(s.data, options, amplitude_of(options), PriorRate::by_scale);
+  std::optional<NegativeLogPosterior> weaker;
   const NegativeLogPosterior* chosen = &objective;
   if (options.prior == Prior::jointly_robust && s.data.encoding.scales() > 1) {
-    const opt::Minimum other =
-        search(weaker, without_inert(space, best.x, objective, s.data), s.data, options);
-    best.evaluations += other.evaluations;
-    State candidate = s;
-    const bool is_there = std::isfinite(other.value);
-    if (is_there) adopt(candidate, weaker, other.x);
-    if (is_there && left_out_log_density(candidate) > left_out_log_density(s)) {
-      s.covariance = std::move(candidate.covariance);
-      s.factor = std::move(candidate.factor);
-      s.amplitude = candidate.amplitude;
-      best.x = other.x;
-      best.termination = other.termination;
-      best.message = other.message;
-      chosen = &weaker;
+    weaker.emplace(s.data, options, amplitude_of(options), PriorRate::by_scale);
+    opt::Minimum other =
+        search(*weaker, without_inert(space, best.x, objective, s.data), s.data, options);
+    other.evaluations += best.evaluations;
+    best.evaluations = other.evaluations;
+    if (std::isfinite(other.value)) {
+      State candidate = s;
+      adopt(candidate, *weaker, other.x);
+      if (left_out_log_density(candidate) > left_out_log_density(s)) {
+        s = std::move(candidate);
+        best = std::move(other);
+        chosen = &*weaker;
+      }
     }
   }
   s.report.termination = best.termination;

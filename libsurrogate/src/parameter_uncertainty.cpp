@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "search.hpp"
+
 namespace repose::surrogate {
 namespace {
 
@@ -11,8 +13,6 @@ namespace {
 constexpr double kVague = 1.0 / (2.0 * 2.0);
 /// Of the differences of gradients, in log parameters.
 constexpr double kStep = 1e-3;
-/// A parameter this close to a bound, in logarithm, sits on it.
-constexpr double kAtBound = 1e-3;
 /// Below this the variance of a t distribution says little about its middle.
 constexpr double kLeastFreedom = 4.0;
 
@@ -58,6 +58,25 @@ Matrix shape_rows(const NegativeLogPosterior& objective, const Matrix& rows) {
   return shape;
 }
 
+/// dk_s(q)^T a for s shape parameters, s x m at m points; the noise ratio changes no k.
+Matrix through_correlations(const Dataset& data, const Correlator& correlator, const Vector& a,
+                            const Matrix& q, const CrossCorrelation& k, Eigen::Index shape) {
+  const Dense& loops = dense();
+  const Eigen::Index n = data.points();
+  Matrix by_parameter = Matrix::Zero(shape, q.rows());
+  Vector weighted(n);
+  for (Eigen::Index j = 0; j < q.rows(); ++j) {
+    weighted = k.slope.col(j).cwiseProduct(a);
+    for (Eigen::Index c = 0; c < data.encoding.coordinates(); ++c)
+      by_parameter(data.encoding.scale_of(c), j) +=
+          correlator.weight[c] *
+          loops.weighted_square_sum(data.x.col(c).data(), n, q(j, c), weighted.data());
+  }
+  if (k.alpha_slope.size() > 0)
+    by_parameter.row(data.encoding.scales()) = a.transpose() * k.alpha_slope;
+  return by_parameter;
+}
+
 }  // namespace
 
 ParameterPosterior approximate_posterior(const NegativeLogPosterior& objective, const Vector& p,
@@ -84,20 +103,15 @@ ParameterPosterior approximate_posterior(const NegativeLogPosterior& objective, 
 MeanSensitivity::MeanSensitivity(const Dataset& data, const Covariance& covariance,
                                  const Factor& factor, const Matrix& root, double unit)
     : root_(root / unit) {
-  const Dense& loops = dense();
   const Correlator correlator = covariance.correlator(data.encoding);
   const Eigen::Index n = data.points();
   const Vector& a = factor.alpha;
-  Matrix by_parameter = Matrix::Zero(n, root.rows());  // dC a
+  Matrix by_parameter(n, root.rows());  // dC a; row i is what the mean at x_i would have of dk
   for (Eigen::Index i = 0; i < n; ++i) {
-    const CrossCorrelation k(correlator, data.x, data.x.row(i));
-    const Vector weighted = k.slope.cwiseProduct(a);
-    for (Eigen::Index c = 0; c < data.encoding.coordinates(); ++c)
-      by_parameter(i, data.encoding.scale_of(c)) +=
-          correlator.weight[c] *
-          loops.weighted_square_sum(data.x.col(c).data(), n, data.x(i, c), weighted.data());
-    if (k.alpha_slope.size() > 0)
-      by_parameter(i, data.encoding.scales()) = k.alpha_slope.col(0).dot(a);
+    const Matrix q = data.x.row(i);
+    by_parameter.row(i) = through_correlations(data, correlator, a, q,
+                                               CrossCorrelation(correlator, data.x, q), root.rows())
+                              .transpose();
   }
   by_parameter.col(root.rows() - 1) = covariance.noise_ratio * data.noise.cwiseProduct(a);
   const auto l = factor.l.triangularView<Eigen::Lower>();
@@ -110,20 +124,7 @@ MeanSensitivity::MeanSensitivity(const Dataset& data, const Covariance& covarian
 
 Matrix MeanSensitivity::at(const Dataset& data, const Correlator& correlator, const Vector& alpha,
                            const Matrix& q, const Matrix& h, const CrossCorrelation& k) const {
-  const Dense& loops = dense();
-  const Eigen::Index n = data.points();
-  Matrix by_parameter = Matrix::Zero(root_.rows(), q.rows());
-  Vector weighted(n);
-  for (Eigen::Index j = 0; j < q.rows(); ++j) {
-    weighted = k.slope.col(j).cwiseProduct(alpha);
-    for (Eigen::Index c = 0; c < data.encoding.coordinates(); ++c)
-      by_parameter(data.encoding.scale_of(c), j) +=
-          correlator.weight[c] *
-          loops.weighted_square_sum(data.x.col(c).data(), n, q(j, c), weighted.data());
-  }
-  if (k.alpha_slope.size() > 0)
-    by_parameter.row(data.encoding.scales()) = alpha.transpose() * k.alpha_slope;
-  Matrix e = root_.transpose() * by_parameter;
+  Matrix e = root_.transpose() * through_correlations(data, correlator, alpha, q, k, root_.rows());
   e.noalias() -= by_correlation_.transpose() * k.r;
   e.noalias() -= by_trend_.transpose() * h.transpose();
   return e;

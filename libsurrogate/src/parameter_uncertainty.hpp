@@ -51,7 +51,7 @@ class MeanSensitivity {
   MeanSensitivity(const Dataset& data, const Covariance& covariance, const Factor& factor,
                   const Matrix& root, double unit);
 
-  bool is_empty() const { return root_.size() == 0; }
+  Eigen::Index directions() const { return root_.cols(); }  ///< r; 0 where all is known
   /// r x m at m points: encoded ones q (m x p), their regression functions h (m x q), and
   /// correlations k with their slopes (n x m).
   Matrix at(const Dataset& data, const Correlator& correlator, const Vector& alpha, const Matrix& q,

@@ -13,9 +13,9 @@ Posterior::Posterior(const ModelAccess::State& s, const Matrix& natural, const M
   at = s.data.encoding.encode(natural);
   const Correlator correlator = s.covariance.correlator(s.data.encoding);
   const Matrix h = trend_matrix(s.data.trend, s.data.encoding, natural, at);
-  if (s.sensitivity.is_empty()) {
+  e.resize(s.sensitivity.directions(), at.rows());
+  if (s.sensitivity.directions() == 0) {
     v = cross_correlation(correlator, s.data.x, at);
-    e.resize(0, at.rows());
   } else {
     constexpr Eigen::Index kBlock = 128;  // the slopes are needed no longer
     v.resize(s.data.points(), at.rows());
@@ -23,10 +23,8 @@ Posterior::Posterior(const ModelAccess::State& s, const Matrix& natural, const M
       const Eigen::Index size = std::min(kBlock, at.rows() - begin);
       const Matrix q = at.middleRows(begin, size);
       const CrossCorrelation k(correlator, s.data.x, q);
-      const Matrix part =
+      e.middleCols(begin, size) =
           s.sensitivity.at(s.data, correlator, s.factor.alpha, q, h.middleRows(begin, size), k);
-      e.conservativeResize(part.rows(), at.rows());
-      e.middleCols(begin, size) = part;
       v.middleCols(begin, size) = k.r;
     }
   }

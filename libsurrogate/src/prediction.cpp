@@ -120,14 +120,14 @@ opt::PredictionGradient GaussianProcess::predict_gradient(const Vector& x) const
   const Vector t =
       s.factor.u.transpose().triangularView<Eigen::Lower>().solve(h) - s.factor.q1.transpose() * w;
   Vector e;
-  if (!s.sensitivity.is_empty())
+  if (s.sensitivity.directions() > 0)
     e = s.sensitivity.at(s.data, correlator, s.factor.alpha, q, h.transpose(), k);
   const double variance = std::max(0.0, 1.0 - w.squaredNorm() + t.squaredNorm() + e.squaredNorm());
   const Vector by_k =
       -2.0 * s.factor.l.transpose().triangularView<Eigen::Upper>().solve(w + s.factor.q1 * t);
   Vector by_h = 2.0 * s.factor.u.triangularView<Eigen::Upper>().solve(t);
   Vector by_u = Vector::Zero(encoding.coordinates());
-  if (!s.sensitivity.is_empty()) {
+  if (s.sensitivity.directions() > 0) {
     by_h += s.sensitivity.squared_by_trend(e);
     by_u = s.sensitivity.squared_by_coordinates(s.data, correlator, s.factor.alpha, q, k, e);
   }

@@ -31,8 +31,6 @@ constexpr double kGridNoise[] = {1e-8, 1e-3, 0.1};
 constexpr double kGridAmplitude[] = {0.5, 5.0};
 constexpr double kScaleJitter = 0.35;
 constexpr double kOtherJitter = 1.5;
-/// A parameter this close to a bound, in logarithm, sits on it.
-constexpr double kAtBound = 1e-3;
 constexpr double kInertBelow = 0.1;  // [Gu2019]
 
 bool is_fixed(const opt::Bounds& bounds, Eigen::Index k) {

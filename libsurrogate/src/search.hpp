@@ -9,6 +9,9 @@
 
 namespace repose::surrogate {
 
+/// A log parameter this close to a bound sits on it.
+inline constexpr double kAtBound = 1e-3;
+
 /// The hyper-parameters of a fit, in the order of NegativeLogPosterior.
 struct SearchSpace {
   std::vector<std::string> names;
