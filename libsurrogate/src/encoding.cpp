@@ -5,26 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "repose/base/error.hpp"
-
 namespace repose::surrogate {
 namespace {
-
-void check(const Input& input, std::size_t number) {
-  if (input.is_categorical()) {
-    if (input.levels.size() < 2)
-      throw InputError(fmt::format(
-          "input {} has the single level '{}'; nothing can be learnt from it: leave it out", number,
-          input.levels[0]));
-    return;
-  }
-  if (!std::isfinite(input.lower) || !std::isfinite(input.upper) || !(input.lower < input.upper))
-    throw InputError(fmt::format("the declared range of input {} is [{}, {}]; it must not be empty",
-                                 number, input.lower, input.upper));
-  if (input.scale == Scale::log && !(input.lower > 0.0))
-    throw InputError(fmt::format("input {} has a log scale from {}; its range must be positive",
-                                 number, input.lower));
-}
 
 double log_range(const Input& input) {
   return std::log(input.upper) - std::log(input.lower);
@@ -35,38 +17,13 @@ double unit_value(const Input& input, double x) {
   return (x - input.lower) / (input.upper - input.lower);
 }
 
-/// Throws where the value of a row is none that the input can have.
-void check_value(const Input& input, double x, Eigen::Index row, Eigen::Index column) {
-  if (!std::isfinite(x))
-    throw InputError(
-        fmt::format("row {}, input {} is {}; it must be finite: drop or repair the row", row + 1,
-                    column + 1, x));
-  if (input.is_categorical()) {
-    const auto levels = static_cast<double>(input.levels.size());
-    if (x < 0.0 || x >= levels || x != std::floor(x))
-      throw InputError(fmt::format("row {}, input {} is {}; its levels are 0 to {}", row + 1,
-                                   column + 1, x, levels - 1.0));
-  } else if (input.scale == Scale::log && !(x > 0.0)) {
-    throw InputError(fmt::format("row {}, input {} is {}; on a log scale it must be positive",
-                                 row + 1, column + 1, x));
-  }
-}
-
 }  // namespace
-
-std::vector<Input> linear_inputs(const opt::Bounds& declared) {
-  opt::check_bounds(declared);
-  std::vector<Input> inputs;
-  for (Eigen::Index k = 0; k < declared.lower.size(); ++k)
-    inputs.push_back({.lower = declared.lower[k], .upper = declared.upper[k]});
-  return inputs;
-}
 
 Encoding::Encoding(std::vector<Input> inputs, LengthScales length_scales)
     : inputs_(std::move(inputs)), length_scales_(length_scales) {
+  check_inputs(inputs_);
   for (std::size_t k = 0; k < inputs_.size(); ++k) {
     const Input& input = inputs_[k];
-    check(input, k + 1);
     const auto index = static_cast<Eigen::Index>(k);
     const std::string name = fmt::format("length_scale_{}", k + 1);
     if (!input.is_categorical()) {
@@ -93,11 +50,11 @@ void Encoding::add(Eigen::Index input, const std::string& scale_name, double uni
 }
 
 Matrix Encoding::encode(const Matrix& natural) const {
+  check_points(inputs_, natural);
   Matrix u = Matrix::Zero(natural.rows(), coordinates());
   Eigen::Index p = 0;
   for (Eigen::Index k = 0; k < dimension(); ++k) {
     const Input& input = inputs_[static_cast<std::size_t>(k)];
-    for (Eigen::Index i = 0; i < natural.rows(); ++i) check_value(input, natural(i, k), i, k);
     const auto levels = static_cast<Eigen::Index>(input.levels.size());
     if (!input.is_categorical()) {
       for (Eigen::Index i = 0; i < natural.rows(); ++i) u(i, p) = unit_value(input, natural(i, k));

@@ -31,6 +31,12 @@ struct Input {
   bool is_categorical() const { return !levels.empty(); }
 };
 
+/// Throw InputError naming input and row. An input: an empty range, one that is not positive on a
+/// log scale, a single level. Points (m x d, natural units): another number of columns, a value
+/// that is not finite, not positive on a log scale, or no level.
+void check_inputs(const std::vector<Input>& inputs);
+void check_points(const std::vector<Input>& inputs, const Matrix& x);
+
 /// Numbers on linear scales.
 std::vector<Input> linear_inputs(const opt::Bounds& declared);
 

@@ -1,13 +1,16 @@
 // A fitted model on disk; a loaded model predicts the same bits.
 //
-// One HDF5 file of tables (see repose/table/io.hpp), readable without repose. Version 3:
-//   /              attributes: repose_model "gaussian-process", model_version, response,
-//                  response_scale, kernel, alpha, noise, basis, estimator; shift and scale of
-//                  modelled y = shift + scale * standardised; amplitude (process variance/scale^2),
-//                  noise_ratio, jitter, within, log_repeats, log_jacobian; variance_factor of
-//                  amplitude and noise in predictions, uncertain_directions; how the fit went
+// One HDF5 file of tables (see repose/table/io.hpp), readable without repose. All kinds:
+//   /              attributes: repose_model (the kind), model_version (of the kind), response
 //   /inputs        a row an input: name, lower, upper, scale, levels (their number), coding
 //   /levels        of the categories: input, level
+//
+// "gaussian-process", version 3:
+//   /              attributes: response_scale, kernel, alpha, noise, basis, estimator; shift and
+//                  scale of modelled y = shift + scale * standardised; amplitude (process
+//                  variance/scale^2), noise_ratio, jitter, within, log_repeats, log_jacobian;
+//                  variance_factor of amplitude and noise in predictions, uncertain_directions; how
+//                  the fit went
 //   /length_scales name, length_scale (in units of the coordinates u)
 //   /points        a row a different point: x1 ... xd in natural units, u1 ... up encoded, y (mean,
 //                  standardised), noise (weight v of its mean)
@@ -26,23 +29,37 @@
 #include <vector>
 
 #include "repose/surrogate/gaussian_process.hpp"
+#include "repose/surrogate/regressor.hpp"
 
 namespace repose::surrogate {
 
-/// A model with the names that give its numbers a meaning.
-struct NamedModel {
-  GaussianProcess model;
+/// A model of any kind with the names that give its numbers a meaning.
+struct NamedRegressor {
+  Regressor model;
   std::vector<std::string> inputs;  ///< columns of x, in order
   std::string response;
 };
 
-/// Writes one file, atomically. Throws InputError where names do not match the model's dimension,
-/// StorageError.
+/// Writes one file, atomically. Throws InputError where names do not match the model's dimension
+/// and for a model that is none of ours, StorageError.
+void save_regressor(const std::filesystem::path& path, const NamedRegressor& model);
+
+/// Throws StorageError where the file is missing, damaged, no model, of an unknown kind or of a
+/// newer version, naming it; InputError for a Gaussian process with regression functions of the
+/// user, which load_model() reads.
+NamedRegressor load_regressor(const std::filesystem::path& path);
+
+/// For what only a Gaussian process can do.
+struct NamedModel {
+  GaussianProcess model;
+  std::vector<std::string> inputs;
+  std::string response;
+};
 void save_model(const std::filesystem::path& path, const NamedModel& model);
 
-/// Regression functions of the user are code and must be given again, with the names that the file
-/// has; else InputError. Throws StorageError where the file is missing, damaged, no model or of a
-/// newer version, naming it.
+/// As load_regressor(); throws InputError where the file holds another kind of model. Regression
+/// functions of the user are code and must be given again, with the names that the file has; else
+/// InputError.
 NamedModel load_model(const std::filesystem::path& path, const BasisFunctions& functions = {});
 
 }  // namespace repose::surrogate

@@ -1,100 +1,22 @@
-#include "repose/surrogate/model_file.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <cmath>
 
-#include "model_names.hpp"
+#include "gaussian_process_file.hpp"
+#include "model_kinds.hpp"
 #include "repose/base/error.hpp"
-#include "repose/table/io.hpp"
 #include "state.hpp"
 
 namespace repose::surrogate {
 namespace {
 
-using table::Attributes;
 using table::Table;
 using State = ModelAccess::State;
 using namespace model_names;
 
-Vector vector_of(const std::vector<double>& values) {
-  return Eigen::Map<const Vector>(values.data(), static_cast<Eigen::Index>(values.size()));
-}
-
-/// A model file whose every inconsistency is a StorageError that names the file.
-class Reader {
- public:
-  explicit Reader(std::filesystem::path path)
-      : path_(std::move(path)), attributes_(table::read_attributes({path_, "/"})) {}
-
-  [[noreturn]] void damaged(const std::string& what) const {
-    throw StorageError(
-        fmt::format("model file '{}': {}; fit the model again", path_.string(), what));
-  }
-  void check(bool holds, const char* what) const {
-    if (!holds) damaged(what);
-  }
-
-  template <class T>
-  T get(const std::string& name) const {
-    const auto found = attributes_.find(name);
-    if (found == attributes_.end()) damaged(fmt::format("attribute '{}' is missing", name));
-    const T* value = std::get_if<T>(&found->second);
-    if (value == nullptr) damaged(fmt::format("attribute '{}' has the wrong type", name));
-    return *value;
-  }
-  bool has(const std::string& name) const { return attributes_.contains(name); }
-  double positive_or_zero(const std::string& name) const {
-    const double value = get<double>(name);
-    if (!std::isfinite(value) || value < 0.0)
-      damaged(fmt::format("attribute '{}' is {}, which must not be negative", name, value));
-    return value;
-  }
-  template <class Enum, std::size_t N>
-  Enum choice(const std::string& text, const std::array<Enum, N>& values) const {
-    for (const Enum value : values)
-      if (text == to_string(value)) return value;
-    damaged(fmt::format("'{}' is not known to this version", text));
-  }
-  std::int64_t version() const { return get<std::int64_t>("model_version"); }
-  bool has_table(const std::string& group) const {
-    for (const std::string& name : table::list_tables(path_))
-      if (name == group) return true;
-    return false;
-  }
-  Table read(const std::string& group) const { return table::read_table({path_, group}); }
-
- private:
-  std::filesystem::path path_;
-  Attributes attributes_;
-};
-
-std::vector<Input> read_inputs(const Reader& file, const Table& t) {
-  const std::vector<double> lower = t.numbers("lower");
-  const std::vector<double> upper = t.numbers("upper");
-  file.check(t.rows() > 0, "it has no inputs");
-  std::vector<Input> inputs;
-  for (std::size_t k = 0; k < t.rows(); ++k)
-    inputs.push_back({.lower = lower[k], .upper = upper[k]});
-  if (file.version() == 1) return inputs;
-  const std::vector<std::int64_t> levels = t.integers("levels");
-  std::vector<std::string> level;
-  if (file.has_table("/levels")) level = file.read("/levels").texts("level");
-  std::size_t next = 0;
-  for (std::size_t k = 0; k < inputs.size(); ++k) {
-    inputs[k].scale = t.texts("scale")[k] == "log" ? Scale::log : Scale::linear;
-    inputs[k].coding = file.choice(t.texts("coding")[k], kCodings);
-    for (std::int64_t l = 0; l < levels[k]; ++l) {
-      file.check(next < level.size(), "/levels is too short");
-      inputs[k].levels.push_back(level[next++]);
-    }
-  }
-  return inputs;
-}
-
 /// Version 1 has encoded coordinates of numbers on linear scales only, and counts instead of noise.
-void read_points(const Reader& file, Dataset& data) {
+void read_points(const ModelReader& file, Dataset& data) {
   const Table points = file.read("/points");
   const auto n = static_cast<Eigen::Index>(points.rows());
   file.check(n > 0, "it has no points");
@@ -117,7 +39,7 @@ void read_points(const Reader& file, Dataset& data) {
              "a noise weight or count is not positive");
 }
 
-void read_rows(const Reader& file, Dataset& data) {
+void read_rows(const ModelReader& file, Dataset& data) {
   const Table rows = file.read("/rows");
   Vector precision = Vector::Zero(data.points());
   data.value_of_row = rows.numbers("y");
@@ -134,10 +56,10 @@ void read_rows(const Reader& file, Dataset& data) {
   file.check((agreement.array() - 1.0).abs().maxCoeff() < 1e-6, "/rows and /points disagree");
 }
 
-Dataset read_dataset(const Reader& file, const Table& inputs, BasisFunctions functions) {
+Dataset read_dataset(const ModelReader& file, std::vector<Input> inputs, BasisFunctions functions) {
   Dataset data;
   const Kernel kernel = kernel_named(file.get<std::string>("kernel"));
-  data.encoding = Encoding(read_inputs(file, inputs), kernel.length_scales);
+  data.encoding = Encoding(std::move(inputs), kernel.length_scales);
   data.trend = {file.choice(file.get<std::string>("basis"), kBases), std::move(functions)};
   data.shift = file.get<double>("shift");
   data.scale = file.get<double>("scale");
@@ -156,11 +78,11 @@ Dataset read_dataset(const Reader& file, const Table& inputs, BasisFunctions fun
   return data;
 }
 
-Covariance read_covariance(const Reader& file, const Table& inputs, const Dataset& data) {
+Covariance read_covariance(const ModelReader& file, const Dataset& data) {
   const bool old = file.version() == 1;
   Covariance c{.correlation = kernel_named(file.get<std::string>("kernel")).correlation,
                .length_scales =
-                   vector_of((old ? inputs : file.read("/length_scales")).numbers("length_scale")),
+                   vector_of(file.read(old ? "/inputs" : "/length_scales").numbers("length_scale")),
                .noise_ratio = file.positive_or_zero("noise_ratio"),
                .alpha = old ? 1.0 : file.positive_or_zero("alpha")};
   file.check(
@@ -170,18 +92,7 @@ Covariance read_covariance(const Reader& file, const Table& inputs, const Datase
   return c;
 }
 
-/// Those the model was fitted with must be given again: a file holds no code.
-void check_functions(const Reader& file, const BasisFunctions& functions) {
-  std::vector<std::string> wanted;
-  if (file.has_table("/functions")) wanted = file.read("/functions").texts("name");
-  if (wanted != functions.names || (!wanted.empty() && !functions.evaluate))
-    throw InputError(
-        fmt::format("the model needs the regression functions [{}] it was fitted with, in this "
-                    "order; [{}] were given",
-                    fmt::join(wanted, ", "), fmt::join(functions.names, ", ")));
-}
-
-Matrix read_factor(const Reader& file, Eigen::Index n) {
+Matrix read_factor(const ModelReader& file, Eigen::Index n) {
   const std::vector<double> packed = file.read("/factor").numbers("l");
   file.check(static_cast<Eigen::Index>(packed.size()) == n * (n + 1) / 2,
              "/factor has the wrong length");
@@ -193,7 +104,7 @@ Matrix read_factor(const Reader& file, Eigen::Index n) {
   return l;
 }
 
-FitReport read_report(const Reader& file) {
+FitReport read_report(const ModelReader& file) {
   FitReport report;
   report.termination = file.choice(file.get<std::string>("fit_termination"), kTerminations);
   report.message = file.get<std::string>("fit_message");
@@ -219,7 +130,7 @@ FitReport read_report(const Reader& file) {
 }
 
 /// Parameters are taken as known by models of earlier versions.
-ParameterPosterior read_parameter_posterior(const Reader& file, const State& s) {
+ParameterPosterior read_parameter_posterior(const ModelReader& file, const State& s) {
   ParameterPosterior posterior;
   if (file.version() < 3) return posterior;
   posterior.variance_factor = file.get<double>("variance_factor");
@@ -239,11 +150,23 @@ ParameterPosterior read_parameter_posterior(const Reader& file, const State& s) 
   return posterior;
 }
 
-NamedModel read_model(const Reader& file, BasisFunctions functions) {
-  const Table inputs = file.read("/inputs");
+}  // namespace
+
+void check_functions(const ModelReader& file, const BasisFunctions& functions) {
+  std::vector<std::string> wanted;
+  if (file.has_table("/functions")) wanted = file.read("/functions").texts("name");
+  if (wanted != functions.names || (!wanted.empty() && !functions.evaluate))
+    throw InputError(
+        fmt::format("the model needs the regression functions [{}] it was fitted with, in this "
+                    "order; [{}] were given",
+                    fmt::join(wanted, ", "), fmt::join(functions.names, ", ")));
+}
+
+GaussianProcess read_process(const ModelReader& file, std::vector<Input> inputs,
+                             BasisFunctions functions) {
   State s;
-  s.data = read_dataset(file, inputs, std::move(functions));
-  s.covariance = read_covariance(file, inputs, s.data);
+  s.data = read_dataset(file, std::move(inputs), std::move(functions));
+  s.covariance = read_covariance(file, s.data);
   s.amplitude = file.positive_or_zero("amplitude");
   s.noise = file.choice(file.get<std::string>("noise"), kNoises);
   s.estimator = file.choice(file.get<std::string>("estimator"), kEstimators);
@@ -252,28 +175,11 @@ NamedModel read_model(const Reader& file, BasisFunctions functions) {
   s.parameters = read_parameter_posterior(file, s);
   s.find_sensitivity();
   s.report = read_report(file);
-  return {ModelAccess::make(std::move(s)), inputs.texts("name"), file.get<std::string>("response")};
+  return ModelAccess::make(std::move(s));
 }
 
-void check_version(const Reader& file) {
-  if (!file.has("repose_model") || file.get<std::string>("repose_model") != kModel)
-    file.damaged("it holds no Gaussian process");
-  if (file.version() < 1 || file.version() > kVersion)
-    file.damaged(
-        fmt::format("its version is {}, this program reads 1 to {}", file.version(), kVersion));
-}
-
-}  // namespace
-
-NamedModel load_model(const std::filesystem::path& path, const BasisFunctions& functions) {
-  const Reader file(path);
-  check_version(file);
-  check_functions(file, functions);
-  try {
-    return read_model(file, functions);
-  } catch (const InputError& error) {  // a column that is missing, of the wrong type or not finite
-    file.damaged(error.what());
-  }
+Regressor read_gaussian_process(const ModelReader& file, std::vector<Input> inputs) {
+  return GaussianProcessRegressor(read_process(file, std::move(inputs), {}));
 }
 
 }  // namespace repose::surrogate

@@ -1,18 +1,23 @@
-// Words and version of model files, for their writer and their reader.
+// Words of the model files of Gaussian processes, for their writer and their reader.
 #pragma once
 
 #include <fmt/format.h>
 
 #include <array>
-#include <cstdint>
 #include <string>
 
+#include "model_content.hpp"
 #include "repose/surrogate/gaussian_process.hpp"
 
-namespace repose::surrogate::model_names {
+namespace repose::surrogate {
 
-inline constexpr const char* kModel = "gaussian-process";
-inline constexpr std::int64_t kVersion = 3;
+/// A file holds no code: throws InputError unless these are the functions of the fitted model.
+void check_functions(const ModelReader& file, const BasisFunctions& functions);
+GaussianProcess read_process(const ModelReader& file, std::vector<Input> inputs,
+                             BasisFunctions functions);
+
+namespace model_names {
+
 inline constexpr std::array kTerminations{opt::Termination::converged, opt::Termination::budget,
                                           opt::Termination::round_off, opt::Termination::failed};
 inline constexpr std::array kStates{ParameterState::converged, ParameterState::at_lower_bound,
@@ -23,7 +28,6 @@ inline constexpr std::array kBases{Basis::none, Basis::constant, Basis::linear, 
 inline constexpr std::array kEstimators{Estimator::ml, Estimator::reml, Estimator::loo};
 inline constexpr std::array kScales{ResponseScale::linear, ResponseScale::log,
                                     ResponseScale::logit};
-inline constexpr std::array kCodings{Coding::label, Coding::one_hot, Coding::exchangeable};
 
 /// "x1" ... inputs in natural units, "u1" ... encoded.
 inline std::string natural_column(Eigen::Index k) {
@@ -36,4 +40,5 @@ inline std::string root_column(Eigen::Index k) {
   return fmt::format("root{}", k + 1);
 }
 
-}  // namespace repose::surrogate::model_names
+}  // namespace model_names
+}  // namespace repose::surrogate

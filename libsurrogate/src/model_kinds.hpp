@@ -1,0 +1,29 @@
+// The kinds of models that files can hold.
+//
+// A new kind needs: a source with write_NAME and read_NAME, their declarations here, and a line in
+// model_kinds.cpp. A change of what is written raises the version; what older versions lack,
+// read_NAME supplies.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "model_content.hpp"
+#include "repose/surrogate/gaussian_process_regressor.hpp"
+
+namespace repose::surrogate {
+
+struct ModelKind {
+  const char* name;  ///< attribute repose_model
+  std::int64_t version;
+  /// The content if the model is of this kind.
+  std::optional<ModelContent> (*write)(const Regressor& model);
+  Regressor (*read)(const ModelReader& file, std::vector<Input> inputs);
+};
+std::span<const ModelKind> model_kinds();
+
+std::optional<ModelContent> write_gaussian_process(const Regressor& model);
+Regressor read_gaussian_process(const ModelReader& file, std::vector<Input> inputs);
+
+}  // namespace repose::surrogate
