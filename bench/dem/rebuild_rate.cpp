@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "neighbor/neighbor_lists.hpp"
+#include "neighbor/sphere_order.hpp"
 
 namespace {
 
@@ -32,14 +33,15 @@ double build_s(const repose::scene::Case& scene, double skin, repose::dem::Spher
   const repose::dem::Box box(scene);
   const repose::dem::Walls walls(scene);
   repose::dem::Clumps clumps;
+  repose::dem::WallContacts contacts;
+  repose::dem::order_by_place(box, spheres);
+  repose::dem::sort_spheres(spheres, clumps, contacts);
   repose::dem::NeighborLists lists;
   repose::dem::ContactPool pool;
-  repose::dem::WallContacts contacts;
   std::vector<double> seconds;
   for (int k = 0; k < 16; ++k) {
-    const auto order = k == 0 ? repose::dem::Order::sorted : repose::dem::Order::kept;
     const auto begin = std::chrono::steady_clock::now();
-    repose::dem::rebuild(box, skin, order, walls, spheres, clumps, lists, pool, contacts);
+    repose::dem::rebuild(box, skin, walls, {}, spheres, lists, pool);
     const std::chrono::duration<double> span = std::chrono::steady_clock::now() - begin;
     if (k > 0) seconds.push_back(span.count() / static_cast<double>(spheres.size()));
   }

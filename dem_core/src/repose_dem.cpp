@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "parallel/communicator.hpp"
+#include "parallel/launcher.hpp"
 #include "repose/base/error.hpp"
 #include "repose/base/text.hpp"
 #include "repose/dem/run_case.hpp"
@@ -45,15 +47,25 @@ std::string footer() {
          "and\n"
          "SIGTERM write a checkpoint first; SIGUSR1 writes one and goes on.\n"
          "\n"
+         "--ranks N simulates with N processes, by mpirun; a launcher of MPI may also start\n"
+         "repose-dem itself. The result has the same bits on any number of them, also where a run\n"
+         "goes on with another number than it began with.\n"
+         "\n"
          "Exit codes: 0 done, 1 internal error, 2 usage, 3 bad input, 5 simulation failure, 6 "
          "file\n"
          "or storage, 130 stopped by Ctrl-C and 143 by SIGTERM, both after a checkpoint.";
+}
+
+bool is_root() {
+  return repose::dem::Communicator::of_launcher().is_root();
 }
 
 struct Options {
   std::string case_file;
   std::string output;
   std::optional<std::uint64_t> seed;
+  int ranks = 1;
+  std::string balance = "by-cost";
   bool from_start = false;
   bool quiet = false;
   bool json = false;
@@ -99,8 +111,9 @@ void print_text(const repose::scene::RunSummary& s, const std::string& output) {
 void run(const Options& options) {
   repose::scene::Case scene = repose::scene::read_case(options.case_file);
   if (options.seed) scene.seed = *options.seed;
-  repose::ProgressDisplay display("repose-dem", options.quiet ? repose::ProgressStyle::quiet
-                                                              : repose::ProgressStyle::automatic);
+  repose::ProgressDisplay display("repose-dem", options.quiet || !is_root()
+                                                    ? repose::ProgressStyle::quiet
+                                                    : repose::ProgressStyle::automatic);
   const auto start =
       options.from_start ? repose::dem::Start::anew : repose::dem::Start::where_stopped;
   const auto warn = [&](std::string_view text) {
@@ -111,17 +124,61 @@ void run(const Options& options) {
       is_file_name(options.output) ? repose::dem::run_case_into_file : repose::dem::run_case;
   const repose::scene::RunSummary summary =
       run_into(scene, options.output,
-               {.progress = display.callback(), .request = request, .warn = warn, .start = start});
+               {.progress = display.callback(),
+                .request = request,
+                .warn = warn,
+                .start = start,
+                .balance = options.balance == "never" ? repose::dem::Balance::never
+                                                      : repose::dem::Balance::by_cost});
   display.finish();
+  if (!is_root()) return;
   if (options.json)
     print_json(summary, options.output);
   else
     print_text(summary, options.output);
 }
 
+struct Failure {
+  std::string message;
+  int exit_code;
+};
+
+/// Runs the case; what went wrong, if anything did.
+std::optional<Failure> attempt(const Options& options) {
+  try {
+    run(options);
+    return std::nullopt;
+  } catch (const repose::dem::RunStopped& stopped) {
+    const int number = stop_signal != 0 ? static_cast<int>(stop_signal) : SIGTERM;
+    return Failure{stopped.what(), 128 + number};  // as a shell reports it
+  } catch (const repose::Error& error) {
+    return Failure{error.what(), error.exit_code()};
+  } catch (const std::exception& error) {
+    return Failure{std::string("internal error: ") + error.what(),
+                   static_cast<int>(repose::ErrorKind::internal)};
+  }
+}
+
+/// Longer than ranks that go on together can be apart.
+constexpr double kPatience_s = 5.0;
+
+/// What fails on all ranks is said once; what fails on one ends all.
+int report(const Failure& failure, const repose::dem::ParallelSession* session) {
+  const bool all_know = session == nullptr || session->all_failed(kPatience_s);
+  if (!all_know) {
+    fmt::print(stderr, "repose-dem: rank {}: {}\n", repose::dem::Communicator::of_launcher().rank(),
+               failure.message);
+    session->abort(failure.exit_code);
+  }
+  if (is_root()) fmt::print(stderr, "repose-dem: {}\n", failure.message);
+  return failure.exit_code;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::optional<repose::dem::ParallelSession> session;
+  if (repose::dem::was_launched_in_parallel()) session.emplace(&argc, &argv);
   CLI::App app(
       "Runs a discrete element simulation: spheres and clumps between walls, from a case file.",
       "repose-dem");
@@ -131,6 +188,13 @@ int main(int argc, char** argv) {
   app.add_option("-o,--output", options.output, "Folder of the run, or RUN.h5 for one file")
       ->required();
   app.add_option("--seed", options.seed, "Replaces run.seed of the case");
+  app.add_option("-n,--ranks", options.ranks, "Processes that simulate together")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  app.add_option("--balance", options.balance,
+                 "When the domain is cut anew among processes; changes no bit of the result")
+      ->check(CLI::IsMember({"by-cost", "never"}))
+      ->capture_default_str();
   app.add_flag("--from-start", options.from_start,
                "Begin anew where the folder holds a checkpoint");
   app.add_flag("--quiet", options.quiet, "No progress");
@@ -141,21 +205,19 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : static_cast<int>(repose::ErrorKind::usage);
   }
+  if (options.ranks > 1 && !session) {
+    try {
+      return repose::dem::launch_ranks(options.ranks, argc, argv);
+    } catch (const repose::Error& error) {
+      fmt::print(stderr, "repose-dem: {}\n", error.what());
+      return error.exit_code();
+    }
+  }
   std::signal(SIGINT, note_stop);
   std::signal(SIGTERM, note_stop);
   std::signal(SIGUSR1, note_checkpoint);
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error like a full disk
-  try {
-    run(options);
-    return 0;
-  } catch (const repose::dem::RunStopped& stopped) {
-    fmt::print(stderr, "repose-dem: {}\n", stopped.what());
-    return 128 + static_cast<int>(stop_signal);  // as a shell reports it
-  } catch (const repose::Error& error) {
-    fmt::print(stderr, "repose-dem: {}\n", error.what());
-    return error.exit_code();
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "repose-dem: internal error: {}\n", error.what());
-    return static_cast<int>(repose::ErrorKind::internal);
-  }
+  const std::optional<Failure> failure = attempt(options);
+  if (!failure) return 0;
+  return report(*failure, session ? &*session : nullptr);
 }

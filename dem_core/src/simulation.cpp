@@ -14,10 +14,11 @@ Simulation::Simulation(const scene::Case& scene, const SimulationOptions& option
   state_->place_all();
 }
 
-Simulation::Simulation(const scene::Case& scene, const Checkpoint& checkpoint) {
+Simulation::Simulation(const scene::Case& scene, const Checkpoint& checkpoint, Balance balance) {
   require_same_case(checkpoint, scene);
-  state_ = std::make_unique<State>(scene, SimulationOptions{checkpoint.number("time_step_option_s"),
-                                                            checkpoint.number("skin_radii")});
+  state_ =
+      std::make_unique<State>(scene, SimulationOptions{checkpoint.number("time_step_option_s"),
+                                                       checkpoint.number("skin_radii"), balance});
   state_->restore(checkpoint);
 }
 
@@ -32,6 +33,7 @@ std::int32_t Simulation::add_particle(const scene::Particle& particle) {
 void Simulation::step(std::int64_t n) {
   state_->prepare();
   for (std::int64_t k = 0; k < n; ++k) state_->one_step();
+  state_->agree(0.0, false);  // on what the last forces may have shown
 }
 
 void Simulation::open(const std::string& name) {
@@ -56,9 +58,20 @@ void Simulation::begin_stage(const std::string& name) {
 std::vector<WallLoad> Simulation::take_wall_loads() {
   std::vector<WallLoad> loads;
   const double steps = static_cast<double>(std::max<std::int64_t>(state_->wall_load_steps, 1));
-  for (const WallLoadSum& sum : state_->walls.loads())
-    loads.push_back({sum.force / steps, sum.torque / steps, sum.work});
-  for (const WallLoadSum& sum : state_->walls.loads()) state_->wall_work_j += sum.work;
+  std::vector<ExactSum> sums;
+  for (const WallLoadSum& sum : state_->walls.loads()) {
+    for (const ExactVectorSum* const v : {&sum.force, &sum.torque})
+      sums.insert(sums.end(), {v->x, v->y, v->z});
+    sums.push_back(sum.work);
+    state_->wall_work_j.add(sum.work);
+  }
+  state_->domain.communicator().add_up(sums);
+  for (std::size_t s = 0; s < sums.size(); s += 7) {
+    const auto vector = [&](std::size_t at) {
+      return Vec3(sums[at].value(), sums[at + 1].value(), sums[at + 2].value());
+    };
+    loads.push_back({vector(s) / steps, vector(s + 3) / steps, sums[s + 6].value()});
+  }
   state_->walls.clear_loads();
   state_->wall_load_steps = 0;
   return loads;
@@ -87,7 +100,7 @@ double Simulation::time_s() const {
   return state_->time_s();
 }
 std::size_t Simulation::size() const {
-  return state_->spheres.size();
+  return static_cast<std::size_t>(state_->spheres_present);
 }
 std::int64_t Simulation::rebuilds() const {
   return state_->rebuilds;
@@ -99,15 +112,20 @@ double Simulation::time_step_s() {
 }
 
 double Simulation::mass_kg() const {
-  double sum = 0.0;
-  for (double mass : state_->spheres.mass) sum += mass;
-  return sum;
+  ExactSum sum[1];
+  for (std::size_t i = 0; i < state_->spheres.size(); ++i)
+    if (!state_->spheres.is_ghost(i)) sum[0].add(state_->spheres.mass[i]);
+  state_->sum_up(sum);
+  return sum[0].value();
 }
 
 scene::Ledger Simulation::ledger() const {
   scene::Ledger ledger = state_->ledger;
-  ledger.alive = static_cast<std::int64_t>(state_->clumps.size());
-  for (std::int32_t member : state_->spheres.member) ledger.alive += member < 0 ? 1 : 0;
+  std::int64_t alive[1] = {static_cast<std::int64_t>(state_->clumps.size())};
+  for (std::size_t i = 0; i < state_->spheres.size(); ++i)
+    alive[0] += state_->spheres.is_alone(i) ? 1 : 0;
+  state_->sum_up(alive);
+  ledger.alive = alive[0];
   ledger.alive_kg = mass_kg();
   REPOSE_ASSERT(ledger.inserted == ledger.alive + ledger.removed,
                 std::to_string(ledger.inserted) + " inserted, " + std::to_string(ledger.alive) +
@@ -128,8 +146,15 @@ std::vector<Body> Simulation::bodies() {
 }
 
 std::vector<Sphere> Simulation::spheres() {
-  const std::vector<Body> bodies = this->bodies();
-  const Spheres& all = state_->spheres;
+  state_->prepare();
+  if (state_->domain.is_alone()) return state_->seen_spheres(state_->spheres, state_->clumps);
+  const State::Whole whole = state_->gathered();
+  return state_->seen_spheres(whole.spheres, whole.clumps);
+}
+
+std::vector<Sphere> Simulation::State::seen_spheres(const Spheres& all,
+                                                    const Clumps& of_them) const {
+  const std::vector<Body> bodies = bodies_of(all, of_them, scene.gravity_m_s2, 0.5 * dt);
   std::vector<Sphere> out;
   out.reserve(all.size());
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -146,7 +171,7 @@ std::vector<Sphere> Simulation::spheres() {
     sphere.velocity = body.velocity;
     if (all.member[i] >= 0)
       sphere.velocity += cross(body.angular_velocity,
-                               state_->clumps.members[static_cast<std::size_t>(all.member[i])].arm);
+                               of_them.members[static_cast<std::size_t>(all.member[i])].arm);
     sphere.angular_velocity = body.angular_velocity;
     out.push_back(sphere);
   }
@@ -162,12 +187,26 @@ double Simulation::kinetic_energy_j() {
 
 std::size_t Simulation::contacts() {
   state_->prepare();
-  return state_->pool.size() + state_->wall_contacts.all.size();
+  const State& s = *state_;
+  std::int64_t count[1] = {static_cast<std::int64_t>(s.wall_contacts.all.size())};
+  for (const Neighbor& neighbor : s.lists.pairs.entries)
+    if (neighbor.contact != kNoContact &&
+        !s.spheres.is_ghost(static_cast<std::size_t>(neighbor.row)))
+      ++count[0];
+  s.sum_up(count);
+  return static_cast<std::size_t>(count[0]);
 }
 
 LargestOverlap Simulation::take_largest_overlap() {
   state_->prepare();
-  return std::exchange(state_->largest_overlap, LargestOverlap{});
+  Packer mine;
+  mine.put(std::exchange(state_->largest_overlap, LargestOverlap{}));
+  LargestOverlap largest;
+  for (const Bytes& bytes : state_->domain.communicator().gather_to_all(mine.take())) {
+    const auto one = Unpacker(bytes).get<LargestOverlap>();
+    if (one.ratio() > largest.ratio()) largest = one;
+  }
+  return largest;
 }
 
 Checkpoint Simulation::checkpoint() {

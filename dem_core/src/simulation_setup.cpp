@@ -27,18 +27,23 @@ std::int32_t Simulation::State::add(const scene::Particle& particle) {
   const double radius = particle.radius_m;
   const double mass = 4.0 / 3.0 * std::numbers::pi * radius * radius * radius * density;
   const scene::ClumpForm* form = forms.find(particle.clump);
-  if (form == nullptr || form->spheres.size() == 1) {
+  const bool is_sphere = form == nullptr || form->spheres.size() == 1;
+  const auto count = static_cast<std::int32_t>(is_sphere ? 1 : form->spheres.size());
+  // Before spheres are shared out all processes hold all.
+  const bool is_here = dt == 0.0 || domain.decomposition().owner_of(particle.position) ==
+                                        domain.communicator().rank();
+  if (is_here && is_sphere) {
     spheres.add({.motion = {particle.position, radius, particle.velocity, 1.0 / mass},
                  .spin = {particle.angular_velocity, 2.5 / (mass * radius * radius)},
                  .material = material,
                  .id = next_sphere,
                  .body = next_body,
                  .mass = mass});
-    ++next_sphere;
-  } else {
+  } else if (is_here) {
     add_clump(*form, particle, material, density, next_body, next_sphere, box, clumps, spheres);
-    next_sphere += static_cast<std::int32_t>(form->spheres.size());
   }
+  next_sphere += count;
+  spheres_present += count;
   ++ledger.inserted;
   ledger.inserted_kg += mass;
   return next_body++;
@@ -99,6 +104,7 @@ void Simulation::State::prepare() {
   check_speed(step);
   least_radius = smallest_radius();
   skin = Skin(least_radius, options.skin_radii);
+  if (!domain.is_alone()) domain.share_out(box, population());
   rebuild_lists();
   dt = step;
   watch_speed();
@@ -106,8 +112,9 @@ void Simulation::State::prepare() {
   kick_all(-0.5 * dt);
   walls.clear_loads();  // the forces at the start belong to no step
   wall_load_steps = 0;
-  initial_j = stored.stored_j();
+  initial_j = stored_j();
   for (const Body& body : bodies()) initial_j += mechanical_j(body);
+  agree(0.0, false);
 }
 
 /// Each material of particles, present or to come, with every other and with all walls.

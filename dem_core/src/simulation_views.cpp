@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "checkpoint/contact_records.hpp"
+#include "neighbor/sphere_order.hpp"
 #include "particles/rotation.hpp"
 #include "repose/base/error.hpp"
 #include "simulation_state.hpp"
@@ -17,14 +19,32 @@ Vec3 Body::angular_momentum() const {
   return turn * inertia_kg_m2.cwiseProduct(turn.transpose() * angular_velocity);
 }
 
-std::vector<Body> Simulation::State::bodies() const {
-  const Spheres& all = spheres;
-  const Vec3& gravity = scene.gravity_m_s2;
-  const double half = 0.5 * dt;
+Simulation::State::Whole Simulation::State::gathered() {
+  Whole whole;
+  for (const Bytes& bytes :
+       domain.communicator().gather(Domain::parcel_of(population()).packed())) {
+    const Parcel parcel = unpacked(bytes);
+    append_bodies(parcel, whole.spheres, whole.clumps, whole.wall_contacts);
+    for (const PairContactRecord& contact : parcel.contacts)
+      whole.contacts.push_back(contact_of(contact));
+  }
+  sort_spheres(whole.spheres, whole.clumps, whole.wall_contacts);
+  sort(whole.contacts);
+  return whole;
+}
+
+std::vector<Body> Simulation::State::bodies() {
+  if (domain.is_alone()) return bodies_of(spheres, clumps, scene.gravity_m_s2, 0.5 * dt);
+  const Whole whole = gathered();
+  return bodies_of(whole.spheres, whole.clumps, scene.gravity_m_s2, 0.5 * dt);
+}
+
+std::vector<Body> bodies_of(const Spheres& all, const Clumps& clumps, const Vec3& gravity,
+                            double half) {
   std::vector<Body> out;
   out.reserve(all.size() - clumps.members.size() + clumps.all.size());
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (all.member[i] >= 0) continue;
+    if (!all.is_alone(i)) continue;
     const Motion& m = all.motion[i];
     Body body;
     body.id = all.body[i];
@@ -60,64 +80,134 @@ double Simulation::State::mechanical_j(const Body& body) const {
   return body.kinetic_energy_j() - body.mass_kg * scene.gravity_m_s2.dot(body.position);
 }
 
-void Simulation::State::count_dissipation(const ContactEnergies& now, double span) {
-  stored = now;
-  counted.dissipated_normal_j += now.normal_damping_w * span;
-  counted.dissipated_tangential_j += now.tangential_damping_w * span;
-  counted.dissipated_sliding_j += now.sliding_w * span;
-  counted.dissipated_rolling_j += now.rolling_w * span;
-  counted.stiffness_change_j += now.stiffness_change_w * span;
-  counted.released_j += pool.take_released_j() + std::exchange(wall_contacts.released_j, 0.0);
+/// What is lost is summed as power: all steps are equally long, but for the first forces, which
+/// belong to none.
+void Simulation::State::count_dissipation(const ExactEnergies& now, double span) {
+  energies.normal_j = now.normal_j;
+  energies.tangential_j = now.tangential_j;
+  energies.rolling_j = now.rolling_j;
+  if (span == 0.0) return;
+  energies.normal_damping_w.add(now.normal_damping_w);
+  energies.tangential_damping_w.add(now.tangential_damping_w);
+  energies.sliding_w.add(now.sliding_w);
+  energies.rolling_w.add(now.rolling_w);
+  energies.stiffness_change_w.add(now.stiffness_change_w);
+}
+
+std::vector<std::pair<std::string, ExactSum*>> Simulation::State::exact_sums() {
+  std::vector<std::pair<std::string, ExactSum*>> sums{
+      {"normal_j", &energies.normal_j},
+      {"tangential_j", &energies.tangential_j},
+      {"rolling_j", &energies.rolling_j},
+      {"normal_damping_w", &energies.normal_damping_w},
+      {"tangential_damping_w", &energies.tangential_damping_w},
+      {"sliding_w", &energies.sliding_w},
+      {"rolling_w", &energies.rolling_w},
+      {"stiffness_change_w", &energies.stiffness_change_w},
+      {"pairs_released_j", &pool.released_j()},
+      {"walls_released_j", &wall_contacts.released_j},
+      {"wrapped_x_kg_m", &wrapped_kg_m.x},
+      {"wrapped_y_kg_m", &wrapped_kg_m.y},
+      {"wrapped_z_kg_m", &wrapped_kg_m.z},
+      {"wall_work_j", &wall_work_j},
+  };
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    WallLoadSum& load = walls.load(w);
+    const std::string of_wall = "_of_wall_" + std::to_string(w);
+    sums.emplace_back("force_x_n" + of_wall, &load.force.x);
+    sums.emplace_back("force_y_n" + of_wall, &load.force.y);
+    sums.emplace_back("force_z_n" + of_wall, &load.force.z);
+    sums.emplace_back("torque_x_n_m" + of_wall, &load.torque.x);
+    sums.emplace_back("torque_y_n_m" + of_wall, &load.torque.y);
+    sums.emplace_back("torque_z_n_m" + of_wall, &load.torque.z);
+    sums.emplace_back("work_j" + of_wall, &load.work);
+  }
+  return sums;
+}
+
+Simulation::State::Totals Simulation::State::totals() {
+  std::vector<ExactSum> sums;
+  const auto named = exact_sums();
+  for (const auto& [name, sum] : named) sums.push_back(*sum);
+  domain.communicator().add_up(sums);
+  Totals totals;
+  for (std::size_t s = 0; s < sums.size(); ++s) totals[named[s].first] = sums[s];
+  return totals;
+}
+
+double Simulation::State::stored_j() {
+  ExactSum sums[3] = {energies.normal_j, energies.tangential_j, energies.rolling_j};
+  domain.communicator().add_up(sums);
+  return sums[0].value() + sums[1].value() + sums[2].value();
 }
 
 scene::EnergyRow Simulation::energy() {
   state_->prepare();
   if (!state_->scene.output.energy)
     throw InputError("the ledger of energy is not kept; set output.energy = true in the case");
-  scene::EnergyRow row = state_->counted;
+  State& s = *state_;
+  scene::EnergyRow row = s.counted;
   row.time_s = time_s();
-  for (const Body& body : state_->bodies()) {
+  for (const Body& body : s.bodies()) {
     const double translational = 0.5 * body.mass_kg * body.velocity.squaredNorm();
     row.kinetic_translational_j += translational;
     row.kinetic_rotational_j += body.kinetic_energy_j() - translational;
-    row.gravitational_j -= body.mass_kg * state_->scene.gravity_m_s2.dot(body.position);
+    row.gravitational_j -= body.mass_kg * s.scene.gravity_m_s2.dot(body.position);
   }
-  row.gravitational_j += state_->scene.gravity_m_s2.dot(state_->wrapped_kg_m);
-  row.elastic_normal_j = state_->stored.normal_j;
-  row.elastic_tangential_j = state_->stored.tangential_j;
-  row.elastic_rolling_j = state_->stored.rolling_j;
-  row.wall_work_j = state_->wall_work_j;
-  for (const WallLoadSum& sum : state_->walls.loads()) row.wall_work_j += sum.work;
+  State::Totals totals = s.totals();
+  const auto of = [&](const char* name) { return totals.at(name).value(); };
+  row.gravitational_j += s.scene.gravity_m_s2.dot(
+      Vec3(of("wrapped_x_kg_m"), of("wrapped_y_kg_m"), of("wrapped_z_kg_m")));
+  row.elastic_normal_j = of("normal_j");
+  row.elastic_tangential_j = of("tangential_j");
+  row.elastic_rolling_j = of("rolling_j");
+  row.dissipated_normal_j = of("normal_damping_w") * s.dt;
+  row.dissipated_tangential_j = of("tangential_damping_w") * s.dt;
+  row.dissipated_sliding_j = of("sliding_w") * s.dt;
+  row.dissipated_rolling_j = of("rolling_w") * s.dt;
+  row.stiffness_change_j = of("stiffness_change_w") * s.dt;
+  row.released_j = of("pairs_released_j") + of("walls_released_j");
+  ExactSum wall_work = totals.at("wall_work_j");
+  for (std::size_t w = 0; w < s.walls.size(); ++w)
+    wall_work.add(totals.at("work_j_of_wall_" + std::to_string(w)));
+  row.wall_work_j = wall_work.value();
   const double there = row.kinetic_translational_j + row.kinetic_rotational_j +
-                       row.gravitational_j + state_->stored.stored_j();
+                       row.gravitational_j + row.elastic_normal_j + row.elastic_tangential_j +
+                       row.elastic_rolling_j;
   const double lost = row.dissipated_normal_j + row.dissipated_tangential_j +
                       row.dissipated_sliding_j + row.dissipated_rolling_j + row.stiffness_change_j +
                       row.released_j + row.removed_j;
-  row.error_j = there + lost - state_->initial_j - row.inserted_j - row.wall_work_j;
+  row.error_j = there + lost - s.initial_j - row.inserted_j - row.wall_work_j;
   return row;
 }
 
 namespace {
 
-/// Adds contacts of one pair of materials up.
+/// Adds contacts of one pair of materials up, then those of all processes.
 struct PairSum {
-  scene::PairContacts sum;
-  double sliding = 0.0;
+  std::int64_t counts[2] = {0, 0};  // contacts, those that slide
+  ExactSum sums[2];                 // normal forces, overlaps over the smaller radius
+  double largest[1] = {0.0};        // normal force
 
   void add(const ContactState& state, double smaller_radius) {
-    ++sum.contacts;
-    sum.mean_normal_force_n += state.normal_force_n;
-    sum.largest_normal_force_n = std::max(sum.largest_normal_force_n, state.normal_force_n);
-    sum.mean_overlap_ratio += state.overlap_m / smaller_radius;
-    sliding += state.sliding ? 1.0 : 0.0;
+    ++counts[0];
+    counts[1] += state.sliding ? 1 : 0;
+    sums[0].add(state.normal_force_n);
+    sums[1].add(state.overlap_m / smaller_radius);
+    largest[0] = std::max(largest[0], state.normal_force_n);
   }
-  scene::PairContacts mean() const {
-    scene::PairContacts mean = sum;
-    if (sum.contacts == 0) return mean;
-    const auto n = static_cast<double>(sum.contacts);
-    mean.mean_normal_force_n /= n;
-    mean.mean_overlap_ratio /= n;
-    mean.sliding_fraction = sliding / n;
+  scene::PairContacts mean(const Communicator& communicator) {
+    communicator.add_up(counts);
+    communicator.add_up(sums);
+    communicator.maximize(largest);
+    scene::PairContacts mean;
+    mean.contacts = counts[0];
+    mean.largest_normal_force_n = largest[0];
+    if (counts[0] == 0) return mean;
+    const auto n = static_cast<double>(counts[0]);
+    mean.mean_normal_force_n = sums[0].value() / n;
+    mean.mean_overlap_ratio = sums[1].value() / n;
+    mean.sliding_fraction = static_cast<double>(counts[1]) / n;
     return mean;
   }
 };
@@ -152,7 +242,7 @@ std::vector<scene::PairContacts> Simulation::contact_statistics() {
         .add(walls[c], s.spheres.motion[i].radius);
   }
   std::vector<scene::PairContacts> means;
-  for (const PairSum& sum : sums) means.push_back(sum.mean());
+  for (PairSum& sum : sums) means.push_back(sum.mean(s.domain.communicator()));
   return means;
 }
 

@@ -64,15 +64,21 @@ std::size_t Simulation::State::fastest_sphere() const {
 /// No sphere may be ten times as fast as any before, as a fall through the whole domain, as walls
 /// and as rain, unless it is so slow all the same that its impact would be harmless.
 void Simulation::State::watch_speed() {
-  if (spheres.size() == 0) return;
   const std::size_t i = fastest_sphere();
+  double fastest[1] = {spheres.size() == 0 ? 0.0 : spheres.motion[i].v.norm()};
+  domain.communicator().maximize(fastest);
+  if (steps > 0 && spheres.size() > 0) attempt([&] { check_jump(i); });
+  largest_speed = std::max(largest_speed, fastest[0]);
+}
+
+void Simulation::State::check_jump(std::size_t i) const {
   const Motion& sphere = spheres.motion[i];
   const double speed = sphere.v.norm();
   const double fall_2 = 2.0 * scene.gravity_m_s2.norm() * (box.upper - box.lower).norm();
   double expected = std::max(largest_speed, std::sqrt(fall_2));
   if (dt > 0.0) expected = std::max(expected, walls.largest_step().distance / dt);
   for (const scene::Rain& rain : scene.rains) expected = std::max(expected, rain.velocity.norm());
-  if (steps > 0 && speed > kSpeedJump * expected) {
+  if (speed > kSpeedJump * expected) {
     const double mass = 1.0 / sphere.inv_mass;
     const ContactBodies equal = sphere_sphere(sphere.radius, mass, sphere.radius, mass);
     const double e_eff = laws.at(spheres.material[i], spheres.material[i]).e_eff;
@@ -85,7 +91,6 @@ void Simulation::State::watch_speed() {
           " m/s; lower the time step (time_step_rayleigh_fraction), or look for particles that "
           "began in each other");
   }
-  largest_speed = std::max(largest_speed, speed);
 }
 
 std::string Simulation::State::overlap_text(const DeepestOverlap& now, double allowed) const {

@@ -81,7 +81,9 @@ TEST(NeighborList, HoldsTheSamePairsAsTheSearchOfAll) {
       ContactPool pool;
       WallContacts wall_contacts;
       Clumps clumps;
-      rebuild(box, skin, Order::sorted, Walls(c), spheres, clumps, lists, pool, wall_contacts);
+      order_by_place(box, spheres);
+      const auto new_index = sort_spheres(spheres, clumps, wall_contacts);
+      rebuild(box, skin, Walls(c), new_index, spheres, lists, pool);
       EXPECT_EQ(listed(lists.pairs, spheres), all_pairs(box, skin, spheres));
     }
   }
@@ -99,7 +101,12 @@ TEST(NeighborList, CarriesHistoryThroughANewOrder) {
   ContactPool pool;
   WallContacts wall_contacts;
   Clumps clumps;
-  rebuild(box, 0.02, Order::sorted, Walls(c), spheres, clumps, lists, pool, wall_contacts);
+  const auto build = [&] {
+    order_by_place(box, spheres);
+    const auto new_index = sort_spheres(spheres, clumps, wall_contacts);
+    rebuild(box, 0.02, Walls(c), new_index, spheres, lists, pool);
+  };
+  build();
   const auto signature = [](std::int32_t a, std::int32_t b) { return Vec3(1.0 + a, 1.0 + b, 1.0); };
   std::size_t contacts = 0;
   for (std::size_t i = 0; i < spheres.size(); ++i)
@@ -117,7 +124,7 @@ TEST(NeighborList, CarriesHistoryThroughANewOrder) {
     }
   ASSERT_GT(contacts, 100u);
   for (Motion& sphere : spheres.motion) sphere.x = 1.0 * Vec3::Ones() - sphere.x;  // mirrored
-  rebuild(box, 0.02, Order::sorted, Walls(c), spheres, clumps, lists, pool, wall_contacts);
+  build();
   EXPECT_EQ(pool.size(), contacts);
   std::size_t seen = 0;
   for (std::size_t i = 0; i < spheres.size(); ++i)
@@ -142,10 +149,8 @@ TEST(NeighborList, IsTheSameWhereSpheresKeepAnOrderThatIsNotTheirs) {
   Spheres spheres = random_spheres(box, 500, 0.01, 0.08, 11);
   NeighborLists lists;
   ContactPool pool;
-  WallContacts wall_contacts;
-  Clumps clumps;
   const std::vector<std::int32_t> before = spheres.id;
-  rebuild(box, 0.01, Order::kept, Walls(c), spheres, clumps, lists, pool, wall_contacts);
+  rebuild(box, 0.01, Walls(c), {}, spheres, lists, pool);
   EXPECT_EQ(spheres.id, before);
   EXPECT_EQ(listed(lists.pairs, spheres), all_pairs(box, 0.01, spheres));
 }
@@ -186,7 +191,8 @@ TEST(SphereOrder, OfTwoSpheresDependsOnTheseTwoAlone) {
   Spheres part = all;
   part.select(some);
   const auto ids = [&box](Spheres spheres) {
-    spheres.select(morton_order(box, spheres));
+    order_by_place(box, spheres);
+    spheres.select(order_of(spheres));
     return spheres.id;
   };
   std::vector<std::int32_t> expected = ids(all);

@@ -155,14 +155,14 @@ TEST(PairKernel, WithEnergiesGivesTheScalarBits) {
     Bench plain = chain(model, 3, 0.0, 50, 99);
     Bench asked = plain;
     DeepestPair deepest{0.0, -1};
-    ContactEnergies sum;
+    ExactEnergies sum;
     usable_pair_kernels().front()->add_forces(plain.batch(), deepest);
     add_forces_with_energies(asked.batch(), deepest, sum);
     EXPECT_TRUE(same_bits(plain.load, asked.load)) << name_of(model);
     double stored = 0.0;
     for (const Contact& contact : asked.contacts) stored += contact.stored_j;
-    EXPECT_NEAR(stored, sum.stored_j(), 1e-12 * std::abs(stored));
-    EXPECT_GT(sum.normal_j, 0.0);
+    EXPECT_NEAR(stored, sum.value().stored_j(), 1e-12 * std::abs(stored));
+    EXPECT_GT(sum.normal_j.value(), 0.0);
   }
 }
 
@@ -278,10 +278,10 @@ TEST(PairKernel, ForEachProcessorGivesTheScalarBitsAtWalls) {
         EXPECT_TRUE(same_contacts(scalar.contacts, wide.contacts)) << kernel->name;
       }
       WallBench asked = at_walls(model, count, seed);
-      ContactEnergies sum;
+      ExactEnergies sum;
       find_forces_with_energies(asked.batch(), sum);
       EXPECT_TRUE(same_bits(scalar.forces, asked.forces)) << name_of(model);
-      EXPECT_GT(sum.normal_j, 0.0);
+      EXPECT_GT(sum.normal_j.value(), 0.0);
       for (std::size_t c = 0; c < count; ++c) {  // the law itself, contact by contact
         const WallBench before = at_walls(model, count, seed);
         const Motion& sphere = before.spheres.motion[c];

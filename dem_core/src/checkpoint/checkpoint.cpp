@@ -18,7 +18,7 @@
 namespace repose::dem {
 namespace {
 
-constexpr std::int64_t kFormat = 1;  // of the file
+constexpr std::int64_t kFormat = 2;  // of the file
 constexpr const char* kFormatName = "repose_checkpoint";
 constexpr const char* kFreeKey = "checkpoint_wall_time_s = ";
 

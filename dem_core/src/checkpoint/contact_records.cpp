@@ -30,7 +30,7 @@ std::vector<ContactRecord> contact_records(const Spheres& spheres, const Neighbo
   for (std::size_t i = 0; i < spheres.size(); ++i)
     for (std::int32_t p = pairs.first[i]; p < pairs.first[i + 1]; ++p) {
       const Neighbor& neighbor = pairs.entries[index(p)];
-      if (neighbor.contact == kNoContact) continue;
+      if (neighbor.contact == kNoContact || spheres.is_ghost(i)) continue;
       const Contact& contact = pool.at(neighbor.contact);
       const std::int32_t a = spheres.id[i];
       const std::int32_t b = spheres.id[index(neighbor.other)];
@@ -39,9 +39,13 @@ std::vector<ContactRecord> contact_records(const Spheres& spheres, const Neighbo
       else
         records.push_back({b, a, seen_from_the_other(contact.history), contact.stored_j});
     }
+  sort(records);
+  return records;
+}
+
+void sort(std::vector<ContactRecord>& records) {
   std::sort(records.begin(), records.end(),
             [](const ContactRecord& a, const ContactRecord& b) { return ids_of(a) < ids_of(b); });
-  return records;
 }
 
 void begin_contacts(const std::vector<ContactRecord>& records, const Spheres& spheres,

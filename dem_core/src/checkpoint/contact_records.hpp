@@ -14,9 +14,12 @@ struct ContactRecord {
   double stored_j;
 };
 
-/// All contacts of pairs, by ascending ids.
+/// All contacts of pairs whose first sphere is simulated here, by ascending ids.
 std::vector<ContactRecord> contact_records(const Spheres& spheres, const NeighborList& pairs,
                                            const ContactPool& pool);
+
+/// By ascending ids.
+void sort(std::vector<ContactRecord>& records);
 
 /// Begins these contacts in lists without any. Throws StorageError for a pair that is not listed.
 void begin_contacts(const std::vector<ContactRecord>& records, const Spheres& spheres,

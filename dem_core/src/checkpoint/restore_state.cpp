@@ -146,6 +146,22 @@ std::vector<WallContact> wall_contacts_of(const table::Table& table, const Spher
   return contacts;
 }
 
+/// Those of at least one sphere that is simulated here.
+std::vector<ContactRecord> of_spheres_here(std::vector<ContactRecord> contacts,
+                                           const Spheres& spheres) {
+  std::vector<std::int32_t> here;
+  for (std::size_t i = 0; i < spheres.size(); ++i)
+    if (!spheres.is_ghost(i)) here.push_back(spheres.id[i]);
+  std::sort(here.begin(), here.end());
+  const auto is_here = [&](std::int32_t id) {
+    return std::binary_search(here.begin(), here.end(), id);
+  };
+  std::erase_if(contacts, [&](const ContactRecord& contact) {
+    return !is_here(contact.first) && !is_here(contact.second);
+  });
+  return contacts;
+}
+
 }  // namespace
 
 void Simulation::State::restore(const Checkpoint& saved) {
@@ -175,14 +191,19 @@ void Simulation::State::restore_bodies_and_lists(const Checkpoint& saved) {
   const std::vector<std::int32_t> order = saved_order(table);
   spheres = spheres_of(table);
   clumps = clumps_of(saved.table("/clumps"), saved.table("/clump_spheres"), spheres);
+  for (std::size_t k = 0; k < order.size(); ++k)
+    spheres.key[static_cast<std::size_t>(order[k])] = k;
   spheres.select(order);
   follow_order(spheres, clumps);
+  spheres_present = static_cast<std::int64_t>(spheres.size());
+  wall_contacts.all = wall_contacts_of(saved.table("/wall_contacts"), spheres);
   restore_walls(saved);
   least_radius = saved.number("least_radius_m");
   skin = Skin(least_radius, options.skin_radii);
+  if (!domain.is_alone()) domain.share_out(box, population());
   rebuild_lists(Order::kept);
-  begin_contacts(contacts_of(saved.table("/contacts")), spheres, lists.pairs, pool);
-  wall_contacts.all = wall_contacts_of(saved.table("/wall_contacts"), spheres);
+  begin_contacts(of_spheres_here(contacts_of(saved.table("/contacts")), spheres), spheres,
+                 lists.pairs, pool);
 }
 
 /// Walls go through the stages again.
@@ -200,35 +221,29 @@ void Simulation::State::restore_walls(const Checkpoint& saved) {
   const table::Table& then = saved.table("/walls");
   if (then.rows() != walls.size()) inconsistent("number of walls");
   const auto present = then.integers("present");
-  const auto work = then.numbers("work");
-  const VectorColumn force(then, "force"), torque(then, "torque");
-  for (std::size_t w = 0; w < walls.size(); ++w) {
+  for (std::size_t w = 0; w < walls.size(); ++w)
     if (present[w] == 0) walls.open(w);
-    walls.load(w) = {force[w], torque[w], work[w]};
-  }
 }
 
 void Simulation::State::restore_sums(const Checkpoint& saved) {
   rebuilds = saved.integer("rebuilds");
   wall_load_steps = saved.integer("wall_load_steps");
-  wall_work_j = saved.number("wall_work_j");
-  wall_contacts.released_j = saved.number("walls_released_j");
   initial_j = saved.number("initial_j");
-  const auto wrapped = saved.numbers("wrapped_kg_m", 3);
-  wrapped_kg_m = {wrapped[0], wrapped[1], wrapped[2]};
-  const auto sums = saved.numbers("counted_j", 8);
-  counted.dissipated_normal_j = sums[0];
-  counted.dissipated_tangential_j = sums[1];
-  counted.dissipated_sliding_j = sums[2];
-  counted.dissipated_rolling_j = sums[3];
-  counted.stiffness_change_j = sums[4];
-  counted.released_j = sums[5];
-  counted.inserted_j = sums[6];
-  counted.removed_j = sums[7];
-  const auto stored_then = saved.numbers("stored_j", 3);
-  stored.normal_j = stored_then[0];
-  stored.tangential_j = stored_then[1];
-  stored.rolling_j = stored_then[2];
+  counted.inserted_j = saved.number("inserted_j");
+  counted.removed_j = saved.number("removed_j");
+  const table::Table& sums = saved.table("/sums");
+  const auto& names = sums.texts("name");
+  const auto high = sums.integers("high");
+  const auto low = sums.integers("low");
+  std::size_t found = 0;
+  for (const auto& [name, sum] : exact_sums())
+    for (std::size_t r = 0; r < names.size(); ++r)
+      if (names[r] == name) {
+        ++found;
+        if (domain.communicator().is_root())
+          *sum = ExactSum(ExactSum::Parts{high[r], static_cast<std::uint64_t>(low[r])});
+      }
+  if (found != names.size() || found != exact_sums().size()) inconsistent("sums");
   largest_speed = saved.number("largest_speed_m_s");
   const auto overlap = saved.numbers("largest_overlap_m", 2);
   largest_overlap = {.overlap_m = overlap[0],

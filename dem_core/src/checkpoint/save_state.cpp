@@ -108,13 +108,21 @@ table::Table wall_contacts_table(const WallContacts& contacts, const Spheres& sp
   return rows.take();
 }
 
-/// What walls have felt since this was last asked for; where they are follows from the time.
+/// Where walls are follows from the time.
 table::Table walls_table(const Walls& walls) {
   TableBuilder rows(walls.size());
   rows.integers("present", [&](std::size_t w) { return walls.at(w).present ? 1 : 0; });
-  rows.vectors("force", "N", [&](std::size_t w) { return walls.loads()[w].force; });
-  rows.vectors("torque", "N m", [&](std::size_t w) { return walls.loads()[w].torque; });
-  rows.numbers("work", "J", [&](std::size_t w) { return walls.loads()[w].work; });
+  return rows.take();
+}
+
+/// Sums to the last bit: integers of 128 bits in units of 2^-80, in two halves.
+table::Table sums_table(const std::map<std::string, ExactSum>& totals) {
+  const std::vector<std::pair<std::string, ExactSum>> sums(totals.begin(), totals.end());
+  TableBuilder rows(sums.size());
+  rows.texts("name", [&](std::size_t r) { return sums[r].first; });
+  rows.integers("high", [&](std::size_t r) { return sums[r].second.parts().high; });
+  rows.integers(
+      "low", [&](std::size_t r) { return static_cast<std::int64_t>(sums[r].second.parts().low); });
   return rows.take();
 }
 
@@ -135,25 +143,24 @@ table::Table rains_table(const std::vector<RainSource>& rains) {
   return rows.take();
 }
 
-std::vector<double> numbers_of(const scene::EnergyRow& counted) {
-  return {counted.dissipated_normal_j,  counted.dissipated_tangential_j,
-          counted.dissipated_sliding_j, counted.dissipated_rolling_j,
-          counted.stiffness_change_j,   counted.released_j,
-          counted.inserted_j,           counted.removed_j};
-}
-
 }  // namespace
 
-Checkpoint Simulation::State::checkpoint() const {
+Checkpoint Simulation::State::checkpoint() {
   Checkpoint saved;
   saved.case_text = scene::case_text(scene);
+  const bool is_alone = domain.is_alone();
+  const Whole whole = is_alone ? Whole{} : gathered();
+  const Spheres& all = is_alone ? spheres : whole.spheres;
+  const Clumps& bodies = is_alone ? clumps : whole.clumps;
   saved.tables = {
-      {"/spheres", spheres_table(spheres)},
-      {"/clumps", clumps_table(clumps)},
-      {"/clump_spheres", clump_spheres_table(clumps, spheres)},
-      {"/contacts", contacts_table(contact_records(spheres, lists.pairs, pool))},
-      {"/wall_contacts", wall_contacts_table(wall_contacts, spheres)},
+      {"/spheres", spheres_table(all)},
+      {"/clumps", clumps_table(bodies)},
+      {"/clump_spheres", clump_spheres_table(bodies, all)},
+      {"/contacts",
+       contacts_table(is_alone ? contact_records(spheres, lists.pairs, pool) : whole.contacts)},
+      {"/wall_contacts", wall_contacts_table(is_alone ? wall_contacts : whole.wall_contacts, all)},
       {"/walls", walls_table(walls)},
+      {"/sums", sums_table(totals())},
       {"/stages", stages_table(stage_start_s)},
       {"/rains", rains_table(rains)},
   };
@@ -172,12 +179,9 @@ Checkpoint Simulation::State::checkpoint() const {
       {"inserted_kg", ledger.inserted_kg},
       {"removed_kg", ledger.removed_kg},
       {"wall_load_steps", wall_load_steps},
-      {"wall_work_j", wall_work_j},
-      {"walls_released_j", wall_contacts.released_j},
       {"initial_j", initial_j},
-      {"wrapped_kg_m", components(wrapped_kg_m)},
-      {"counted_j", numbers_of(counted)},
-      {"stored_j", std::vector<double>{stored.normal_j, stored.tangential_j, stored.rolling_j}},
+      {"inserted_j", counted.inserted_j},
+      {"removed_j", counted.removed_j},
       {"largest_speed_m_s", largest_speed},
       {"largest_overlap_m",
        std::vector<double>{largest_overlap.overlap_m, largest_overlap.smaller_radius_m}},

@@ -40,9 +40,11 @@ constexpr std::uint64_t kSphere = 1, kClump = 2, kContact = 3, kWallContact = 4;
 
 /// The sum over all records of hashes, each of the ids and the bits of one record: who holds which
 /// record, and in which order, does not matter.
-std::uint64_t Simulation::State::hash() const {
-  std::uint64_t sum = mixed(0, static_cast<std::uint64_t>(steps));
+std::uint64_t Simulation::State::hash() {
+  std::uint64_t sum =
+      domain.communicator().is_root() ? mixed(0, static_cast<std::uint64_t>(steps)) : 0;
   for (std::size_t i = 0; i < spheres.size(); ++i) {
+    if (spheres.is_ghost(i)) continue;
     const Motion& motion = spheres.motion[i];
     const std::uint64_t chain = mixed(mixed(kSphere, spheres.id[i]), spheres.body[i]);
     sum += mixed(mixed(mixed(chain, motion.x), motion.v), spheres.spin[i].w);
@@ -58,7 +60,9 @@ std::uint64_t Simulation::State::hash() const {
     const std::uint64_t chain = mixed(mixed(mixed(kWallContact, id), contact.wall), contact.normal);
     sum += mixed(chain, contact.contact.history);
   }
-  return sum;
+  std::int64_t of_all[1] = {static_cast<std::int64_t>(sum)};
+  domain.communicator().add_up(of_all);
+  return static_cast<std::uint64_t>(of_all[0]);
 }
 
 }  // namespace repose::dem

@@ -25,17 +25,18 @@ struct DeepestOverlap {
 
 /// Finds the pairs that touch, in list order; begins contacts and ends those that separated; adds
 /// the forces of all that touch to the loads, in list order, and what they store and lose to
-/// `energies` unless it is null.
+/// `energies` unless it is null: that of a pair in the process that simulates its first sphere.
 void add_pair_forces(const Box& box, const LawTable& laws, double dt, Spheres& spheres,
                      NeighborList& pairs, ContactPool& pool, DeepestOverlap& deepest,
-                     ContactEnergies* energies = nullptr);
+                     ExactEnergies* energies = nullptr);
 
 /// A contact of two spheres as statistics see it.
 struct PairState {
   std::int32_t i, j;  ///< indices of the spheres
   ContactState state;
 };
-/// The pairs that touch, in list order, as they are now; nothing changes.
+/// The pairs that touch, in list order, as they are now, those whose first sphere is simulated
+/// here; nothing changes.
 std::vector<PairState> pair_states(const Box& box, const LawTable& laws, double dt,
                                    const Spheres& spheres, const NeighborList& pairs,
                                    const ContactPool& pool);
@@ -44,7 +45,7 @@ std::vector<PairState> pair_states(const Box& box, const LawTable& laws, double 
 /// list order, and what they store and lose to `energies` unless it is null.
 void add_wall_forces(const LawTable& laws, double dt, const WallList& list, Walls& walls,
                      Spheres& spheres, WallContacts& contacts, DeepestOverlap& deepest,
-                     ContactEnergies* energies = nullptr);
+                     ExactEnergies* energies = nullptr);
 
 /// The contacts with walls, in order, as they are now; nothing changes.
 std::vector<ContactState> wall_states(const LawTable& laws, double dt, const Walls& walls,

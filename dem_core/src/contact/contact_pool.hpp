@@ -3,9 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
+#include "parallel/exact_sum.hpp"
 #include "repose/dem/contact_law.hpp"
 
 namespace repose::dem {
@@ -35,12 +35,10 @@ class ContactPool {
     at(slot) = Contact{};
     return slot;
   }
-  void end_contact(std::int32_t slot) {
-    released_j_ += at(slot).stored_j;
-    free_.push_back(slot);
-  }
-  /// What ended contacts still stored since the last call; it is lost.
-  double take_released_j() { return std::exchange(released_j_, 0.0); }
+  void end_contact(std::int32_t slot) { free_.push_back(slot); }
+  /// Counts what a contact that ends still stores; it is lost.
+  void count_released(std::int32_t slot) { released_j_.add(at(slot).stored_j); }
+  ExactSum& released_j() { return released_j_; }
   Contact& at(std::int32_t slot) { return contacts_[static_cast<std::size_t>(slot)]; }
   const Contact& at(std::int32_t slot) const { return contacts_[static_cast<std::size_t>(slot)]; }
   Contact* data() { return contacts_.data(); }
@@ -62,7 +60,7 @@ class ContactPool {
  private:
   std::vector<Contact> contacts_;
   std::vector<std::int32_t> free_;
-  double released_j_ = 0.0;
+  ExactSum released_j_;
 };
 
 }  // namespace repose::dem

@@ -4,6 +4,7 @@
 #include "contact/contact_evaluation.hpp"
 #include "contact/contact_forces.hpp"
 #include "contact/pair_kernel.hpp"
+#include "parallel/exact_sum.hpp"
 
 namespace repose::dem {
 namespace {
@@ -43,7 +44,7 @@ PairBatch batch_of(const Box& box, const LawTable& laws, double dt, Spheres& sph
 class PairForces {
  public:
   PairForces(const PairBatch& batch, ContactPool& pool, const Spheres& spheres,
-             DeepestOverlap& deepest, ContactEnergies* energies)
+             DeepestOverlap& deepest, ExactEnergies* energies)
       : batch_(batch), pool_(pool), spheres_(spheres), deepest_(deepest), energies_(energies) {
     batch_.pairs = pairs_.data();
   }
@@ -59,7 +60,7 @@ class PairForces {
     batch_.contacts = pool_.size() == 0 ? nullptr : pool_.data()->history.slip.data();
     DeepestPair deepest{deepest_.ratio(), -1};
     if (energies_ != nullptr)
-      add_forces_with_energies(batch_, deepest, *energies_);
+      compute_with_energies(deepest);
     else
       kernel_.add_forces(batch_, deepest);
     if (deepest.pair >= 0) {
@@ -72,12 +73,25 @@ class PairForces {
   }
 
  private:
+  void compute_with_energies(DeepestPair& deepest) {
+    ExactEnergies of_others;
+    PairBatch one = batch_;
+    one.count = 1;
+    for (std::size_t p = 0; p < batch_.count; ++p) {
+      one.pairs = pairs_.data() + p;
+      DeepestPair here{deepest.ratio, -1};
+      const bool counts = !spheres_.is_ghost(index(pairs_[p].i));
+      add_forces_with_energies(one, here, counts ? *energies_ : of_others);
+      if (here.pair == 0) deepest = {here.ratio, static_cast<std::ptrdiff_t>(p)};
+    }
+  }
+
   const PairKernel& kernel_ = pair_kernel();
   PairBatch batch_;
   ContactPool& pool_;
   const Spheres& spheres_;
   DeepestOverlap& deepest_;
-  ContactEnergies* energies_;
+  ExactEnergies* energies_;
   std::array<TouchingPair, kBatch> pairs_;
 };
 
@@ -103,6 +117,7 @@ void add_forces_in(const Box& box, const Spheres& spheres, NeighborList& pairs, 
         if (touches) {
           neighbor.contact = pool.begin_contact();
         } else {
+          if (!spheres.is_ghost(index(neighbor.row))) pool.count_released(neighbor.contact);
           pool.end_contact(neighbor.contact);
           neighbor.contact = kNoContact;
         }
@@ -124,7 +139,7 @@ void add_forces_in(const Box& box, const Spheres& spheres, NeighborList& pairs, 
 
 void add_pair_forces(const Box& box, const LawTable& laws, double dt, Spheres& spheres,
                      NeighborList& pairs, ContactPool& pool, DeepestOverlap& deepest,
-                     ContactEnergies* energies) {
+                     ExactEnergies* energies) {
   if (pairs.entries.empty()) return;
   PairForces forces(batch_of(box, laws, dt, spheres), pool, spheres, deepest, energies);
   with_periodic_mask(box,
@@ -137,7 +152,7 @@ std::vector<PairState> pair_states(const Box& box, const LawTable& laws, double 
   std::vector<PairState> states;
   states.reserve(pool.size());
   for (const Neighbor& neighbor : pairs.entries) {
-    if (neighbor.contact == kNoContact) continue;
+    if (neighbor.contact == kNoContact || spheres.is_ghost(index(neighbor.row))) continue;
     const std::size_t i = index(neighbor.row);
     const std::size_t j = index(neighbor.other);
     const Motion& a = spheres.motion[i];

@@ -1,4 +1,5 @@
 #include "contact/pair_kernel_lanes.hpp"
+#include "parallel/exact_sum.hpp"
 
 namespace repose::dem {
 namespace {
@@ -36,11 +37,11 @@ const PairKernel& pair_kernel() {
   return *widest;
 }
 
-void add_forces_with_energies(const PairBatch& batch, DeepestPair& deepest, ContactEnergies& sum) {
+void add_forces_with_energies(const PairBatch& batch, DeepestPair& deepest, ExactEnergies& sum) {
   detail::add_batch<double>(batch, deepest, sum);
 }
 
-void find_forces_with_energies(const WallBatch& batch, ContactEnergies& sum) {
+void find_forces_with_energies(const WallBatch& batch, ExactEnergies& sum) {
   detail::find_batch<double>(batch, sum);
 }
 

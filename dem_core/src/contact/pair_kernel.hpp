@@ -5,10 +5,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "repose/dem/contact_energies.hpp"
 #include "repose/dem/pair_law.hpp"
 
 namespace repose::dem {
+
+struct ExactEnergies;
 
 /// A pair that touches at this step: indices of the spheres, slot of the contact.
 struct TouchingPair {
@@ -82,7 +83,7 @@ std::vector<const PairKernel*> usable_pair_kernels();
 const PairKernel& pair_kernel();
 
 /// One at a time, with what the contacts store and lose added to `sum`; same forces.
-void add_forces_with_energies(const PairBatch& batch, DeepestPair& deepest, ContactEnergies& sum);
-void find_forces_with_energies(const WallBatch& batch, ContactEnergies& sum);
+void add_forces_with_energies(const PairBatch& batch, DeepestPair& deepest, ExactEnergies& sum);
+void find_forces_with_energies(const WallBatch& batch, ExactEnergies& sum);
 
 }  // namespace repose::dem

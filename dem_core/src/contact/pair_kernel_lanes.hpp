@@ -52,12 +52,16 @@ template <class R>
   return read_laws<R>(laws);
 }
 
+/// What a contact tells a sum of energies.
+template <class Sum>
+using OneOf = std::conditional_t<std::is_same_v<Sum, NoEnergies>, NoEnergies, ContactEnergies>;
+
 /// One block of contacts, of which the first `count` are real and the others repeat the last.
-template <class R, class Energies>
+template <class R, class Sum>
 [[gnu::always_inline]] inline void add_block(const PairBatch& batch,
                                              const TouchingPair (&pairs)[kLanes<R>],
                                              std::size_t first, std::size_t count,
-                                             DeepestPair& deepest, Energies& sum) {
+                                             DeepestPair& deepest, Sum& sum) {
   constexpr std::size_t n = kLanes<R>;
   const double *x_i[n], *x_j[n], *v_i[n], *v_j[n], *w_i[n], *w_j[n], *slip[n], *rest[n];
   for (std::size_t k = 0; k < n; ++k) {
@@ -88,13 +92,13 @@ template <class R, class Energies>
   Row<R> kept_slip = read_rows(slip), kept_rest = read_rows(rest);
   HistoryLanes<R> history{{kept_slip.a, kept_slip.b, kept_slip.c},
                           {kept_slip.d, kept_rest.a, kept_rest.b}};
-  Energies energies;
+  OneOf<Sum> energies;
   const ForceLanes<R> force = contact_law(
       batch.model, laws_of<R>(batch, pairs),
       bodies_of_pair(i.radius, i.inv_mass, j.radius, j.inv_mass), now, batch.dt, history, energies);
-  if constexpr (std::is_same_v<Energies, ContactEnergies>) {
+  if constexpr (std::is_same_v<OneOf<Sum>, ContactEnergies>) {
     kept_rest.c = energies.stored_j();
-    sum += energies;
+    sum.add(energies);
   }
   const R half = 0.5 * now.overlap;
   const Lanes3<R> turning = cross3(now.normal, force.tangential);
@@ -133,9 +137,9 @@ template <class R, class Energies>
   }
 }
 
-template <class R, class Energies>
+template <class R, class Sum>
 [[gnu::always_inline]] inline void add_batch(const PairBatch& batch, DeepestPair& deepest,
-                                             Energies& sum) {
+                                             Sum& sum) {
   constexpr std::size_t n = kLanes<R>;
   for (std::size_t first = 0; first < batch.count; first += n) {
     const std::size_t count = batch.count - first < n ? batch.count - first : n;
@@ -146,9 +150,9 @@ template <class R, class Energies>
 }
 
 /// One block of contacts with walls; those beyond `count` repeat the last.
-template <class R, class Energies>
+template <class R, class Sum>
 [[gnu::always_inline]] inline void find_block(const WallBatch& batch, std::size_t first,
-                                              std::size_t count, Energies& sum) {
+                                              std::size_t count, Sum& sum) {
   constexpr std::size_t n = kLanes<R>;
   const double *x[n], *v[n], *w[n], *normal[n], *slip[n], *rest[n], *velocity[n], *spin[n];
   const PairLaw* laws[n];
@@ -174,13 +178,13 @@ template <class R, class Energies>
   Row<R> kept_rest = read_rows(rest);
   HistoryLanes<R> history{{kept_slip.a, kept_slip.b, kept_slip.c},
                           {kept_slip.d, kept_rest.a, kept_rest.b}};
-  Energies energies;
+  OneOf<Sum> energies;
   const ForceLanes<R> force =
       contact_law(batch.model, read_laws<R>(laws), bodies_at_wall(sphere.radius, sphere.inv_mass),
                   now, batch.dt, history, energies);
-  if constexpr (std::is_same_v<Energies, ContactEnergies>) {
+  if constexpr (std::is_same_v<OneOf<Sum>, ContactEnergies>) {
     kept_rest.c = energies.stored_j();
-    sum += energies;
+    sum.add(energies);
   }
   const Lanes3<R> torque =
       R(sphere.radius - 0.5 * now.overlap) * cross3(now.normal, force.tangential) +
@@ -205,8 +209,8 @@ template <class R, class Energies>
   write_rows({history.rolling.y, history.rolling.z, kept_rest.c, kept_rest.d}, rests);
 }
 
-template <class R, class Energies>
-[[gnu::always_inline]] inline void find_batch(const WallBatch& batch, Energies& sum) {
+template <class R, class Sum>
+[[gnu::always_inline]] inline void find_batch(const WallBatch& batch, Sum& sum) {
   constexpr std::size_t n = kLanes<R>;
   for (std::size_t first = 0; first < batch.count; first += n)
     find_block<R>(batch, first, batch.count - first < n ? batch.count - first : n, sum);

@@ -7,7 +7,7 @@ namespace repose::dem {
 template <class Predicate>
 void WallContacts::erase_ended(Predicate&& has_ended) {
   for (const WallContact& contact : all)
-    if (has_ended(contact)) released_j += contact.contact.stored_j;
+    if (has_ended(contact)) released_j.add(contact.contact.stored_j);
   std::erase_if(all, has_ended);
 }
 

@@ -24,7 +24,7 @@ static_assert(sizeof(WallContact) == 128);  // the kernels see it as rows of fou
 struct WallContacts {
   std::vector<WallContact> all;
   std::vector<WallContact> before;
-  double released_j = 0.0;  ///< what ended contacts still stored, since it was last taken
+  ExactSum released_j;  ///< what ended contacts still stored; it is lost
 
   /// After spheres were sorted or removed: new_index of a sphere, -1 if it is gone.
   void follow_order(const std::vector<std::int32_t>& new_index);

@@ -40,11 +40,11 @@ Contact continued(const WallPush& push, std::span<WallContact> before) {
 /// What the sphere does to the wall at a point, by a force and a torque on the sphere.
 void add_to_wall(const Vec3& force, const Vec3& rolling_torque, const Vec3& point,
                  const WallBody& wall, double dt, WallLoadSum& sum) {
-  sum.force -= force;
-  sum.torque -= cross(point - wall.now.reference, force) + rolling_torque;
+  sum.force.add(-force);
+  sum.torque.add(-(cross(point - wall.now.reference, force) + rolling_torque));
   if (wall.motion.empty()) return;
   const Twist& twist = wall.now.twist;
-  sum.work += (force.dot(twist.at(point)) + rolling_torque.dot(twist.spin)) * dt;
+  sum.work.add((force.dot(twist.at(point)) + rolling_torque.dot(twist.spin)) * dt);
 }
 
 /// Who touches which wall now, by ascending sphere, with the histories of the step before.
@@ -69,7 +69,7 @@ void find_wall_contacts(const WallList& list, const Walls& walls, const Spheres&
     }
   }
   for (const WallContact& ended : contacts.before)
-    if (ended.patch != kTaken) contacts.released_j += ended.contact.stored_j;
+    if (ended.patch != kTaken) contacts.released_j.add(ended.contact.stored_j);
 }
 
 struct alignas(32) FourNumbers {
@@ -98,7 +98,7 @@ constexpr std::size_t kBatch = 64;
 
 void add_wall_forces(const LawTable& laws, double dt, const WallList& list, Walls& walls,
                      Spheres& spheres, WallContacts& contacts, DeepestOverlap& deepest,
-                     ContactEnergies* energies) {
+                     ExactEnergies* energies) {
   find_wall_contacts(list, walls, spheres, contacts, deepest);
   const PairKernel& kernel = pair_kernel();
   const std::vector<FourNumbers> twists = twists_of(walls);

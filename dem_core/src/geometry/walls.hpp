@@ -7,6 +7,7 @@
 
 #include "geometry/facet_tree.hpp"
 #include "motion/wall_motion.hpp"
+#include "parallel/exact_sum.hpp"
 #include "repose/scene/triangle_mesh.hpp"
 
 namespace repose::dem {
@@ -29,9 +30,9 @@ struct WallBody {
 
 /// Sums over steps of what particles do to a wall.
 struct WallLoadSum {
-  Vec3 force = Vec3::Zero();   ///< on the wall
-  Vec3 torque = Vec3::Zero();  ///< about WallState::reference
-  double work = 0.0;           ///< of the wall on particles, J
+  ExactVectorSum force;   ///< on the wall
+  ExactVectorSum torque;  ///< about WallState::reference
+  ExactSum work;          ///< of the wall on particles, J
 };
 
 /// A facet near a sphere; it cannot touch before sphere and wall together have moved by the gap.

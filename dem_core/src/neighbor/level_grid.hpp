@@ -15,6 +15,7 @@ struct LocatedSphere {
   double radius;
   std::int32_t index;
   std::int32_t body;
+  bool is_ghost = false;
 };
 
 /// Cells at least `reach` wide, so that all spheres of this level which are closer than that to a

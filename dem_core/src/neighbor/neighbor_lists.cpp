@@ -33,15 +33,17 @@ std::vector<Vec3> reentries(const Box& box, double skin, const Vec3& x) {
 }
 
 /// Facets that a sphere can reach by moving less than the skin, each once with its least gap.
-WallList find_walls(const Box& box, const Walls& walls, double skin,
-                    const std::vector<Motion>& motion, std::size_t expected) {
+WallList find_walls(const Box& box, const Walls& walls, double skin, const Spheres& spheres,
+                    std::size_t expected) {
   WallList list;
-  list.first.reserve(motion.size() + 1);
+  list.first.reserve(spheres.size() + 1);
   list.facets.reserve(expected);
   std::vector<NearFacet> beyond;
-  for (const Motion& sphere : motion) {
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    const Motion& sphere = spheres.motion[i];
     const std::size_t row = list.facets.size();
     list.first.push_back(static_cast<std::int32_t>(row));
+    if (spheres.is_ghost(i)) continue;
     walls.add_near(sphere.x, sphere.radius, skin, list.facets);
     if (box.periodic_mask() == 0) continue;
     for (const Vec3& x : reentries(box, skin, sphere.x)) {
@@ -62,22 +64,16 @@ WallList find_walls(const Box& box, const Walls& walls, double skin,
   return list;
 }
 
-/// The entry of row i for `other`; it must be there, for what touches is within reach.
-Neighbor& entry(NeighborList& list, std::int32_t i, std::int32_t other) {
-  for (std::int32_t p = list.first[index(i)]; p < list.first[index(i) + 1]; ++p)
-    if (list.entries[index(p)].other == other) return list.entries[index(p)];
-  assertion_failed("touching neighbors stay listed", __FILE__, __LINE__,
-                   "sphere " + std::to_string(i) + ", neighbor " + std::to_string(other));
-}
-
 /// Gives the pairs of the new list the slots that they had in the old one. A pair whose
-/// order changed keeps its slot with the history of the other side.
+/// order changed keeps its slot with the history of the other side; one that is another process'
+/// matter now is left out.
 void carry_pairs(const NeighborList& old, const std::vector<std::int32_t>& new_index,
-                 NeighborList& list, ContactPool& pool) {
+                 const Spheres& spheres, NeighborList& list, ContactPool& pool) {
   for (const Neighbor& neighbor : old.entries) {
     if (neighbor.contact == kNoContact) continue;
     std::int32_t a = new_index[index(neighbor.row)];
     std::int32_t b = new_index[index(neighbor.other)];
+    if (a < 0 || b < 0 || (spheres.is_ghost(index(a)) && spheres.is_ghost(index(b)))) continue;
     if (a > b) {
       std::swap(a, b);
       ContactHistory& history = pool.at(neighbor.contact).history;
@@ -99,23 +95,39 @@ void renumber(NeighborList& list, ContactPool& pool) {
 
 }  // namespace
 
-void rebuild(const Box& box, double skin, Order order, const Walls& walls, Spheres& spheres,
-             Clumps& clumps, NeighborLists& lists, ContactPool& pool, WallContacts& wall_contacts) {
-  std::vector<std::int32_t> new_index(spheres.size());
-  std::iota(new_index.begin(), new_index.end(), 0);
-  if (order == Order::sorted) {
-    const std::vector<std::int32_t> sorted = morton_order(box, spheres);
-    for (std::size_t i = 0; i < sorted.size(); ++i)
-      new_index[index(sorted[i])] = static_cast<std::int32_t>(i);
-    spheres.select(sorted);
-    follow_order(spheres, clumps);
-    wall_contacts.follow_order(new_index);
-  }
+Neighbor& entry(NeighborList& list, std::int32_t i, std::int32_t other) {
+  for (std::int32_t p = list.first[index(i)]; p < list.first[index(i) + 1]; ++p)
+    if (list.entries[index(p)].other == other) return list.entries[index(p)];
+  assertion_failed("touching neighbors stay listed", __FILE__, __LINE__,
+                   "sphere " + std::to_string(i) + ", neighbor " + std::to_string(other));
+}
+
+std::vector<std::int32_t> sort_spheres(Spheres& spheres, Clumps& clumps,
+                                       WallContacts& wall_contacts) {
+  const std::vector<std::int32_t> order = order_of(spheres);
+  std::vector<std::int32_t> new_index(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i)
+    new_index[index(order[i])] = static_cast<std::int32_t>(i);
+  spheres.select(order);
+  follow_order(spheres, clumps);
+  wall_contacts.follow_order(new_index);
+  return new_index;
+}
+
+void rebuild(const Box& box, double skin, const Walls& walls,
+             const std::vector<std::int32_t>& new_index, Spheres& spheres, NeighborLists& lists,
+             ContactPool& pool) {
   NeighborLists built;
   built.pairs = find_pairs(box, skin, spheres);
-  built.walls = find_walls(box, walls, skin, spheres.motion, lists.walls.facets.size() + 64);
-  carry_pairs(lists.pairs, new_index, built.pairs, pool);
-  if (order == Order::sorted) renumber(built.pairs, pool);
+  built.walls = find_walls(box, walls, skin, spheres, lists.walls.facets.size() + 64);
+  if (new_index.empty()) {
+    std::vector<std::int32_t> same(spheres.size());
+    std::iota(same.begin(), same.end(), 0);
+    carry_pairs(lists.pairs, same, spheres, built.pairs, pool);
+  } else {
+    carry_pairs(lists.pairs, new_index, spheres, built.pairs, pool);
+    renumber(built.pairs, pool);
+  }
   lists = std::move(built);
 
   spheres.x_listed.resize(spheres.size());
@@ -123,7 +135,7 @@ void rebuild(const Box& box, double skin, Order order, const Walls& walls, Spher
 }
 
 void remove_spheres(const std::vector<std::int32_t>& new_index, NeighborLists& lists,
-                    ContactPool& pool, WallContacts& wall_contacts) {
+                    ContactPool& pool, const Spheres& spheres, WallContacts& wall_contacts) {
   NeighborLists kept;
   for (std::size_t i = 0; i < new_index.size(); ++i) {
     const bool stays = new_index[i] >= 0;
@@ -137,10 +149,12 @@ void remove_spheres(const std::vector<std::int32_t>& new_index, NeighborLists& l
       Neighbor neighbor = lists.pairs.entries[index(p)];
       neighbor.row = new_index[i];
       neighbor.other = new_index[index(neighbor.other)];
-      if (stays && neighbor.other >= 0)
+      if (stays && neighbor.other >= 0) {
         kept.pairs.entries.push_back(neighbor);
-      else if (neighbor.contact != kNoContact)
+      } else if (neighbor.contact != kNoContact) {
+        if (!spheres.is_ghost(i)) pool.count_released(neighbor.contact);
         pool.end_contact(neighbor.contact);
+      }
     }
   }
   kept.pairs.first.push_back(static_cast<std::int32_t>(kept.pairs.entries.size()));

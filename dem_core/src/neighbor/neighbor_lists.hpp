@@ -43,20 +43,24 @@ struct NeighborLists {
   WallList walls;
 };
 
-/// What becomes of the order of the spheres when lists are built.
-enum class Order {
-  kept,   ///< spheres added since the last build come last
-  sorted  ///< as morton_order() says
-};
+/// The entry of row i for `other`, which must be there: what touches is within reach.
+Neighbor& entry(NeighborList& list, std::int32_t i, std::int32_t other);
 
-/// Builds both lists anew and takes the contacts with their history from the old ones. Pairs (i, j)
-/// are listed by ascending i, then j: the order of every sum. Spheres of one body are no pair.
-void rebuild(const Box& box, double skin, Order order, const Walls& walls, Spheres& spheres,
-             Clumps& clumps, NeighborLists& lists, ContactPool& pool, WallContacts& wall_contacts);
+/// Brings spheres into the order of order_of(); returns the new index of each.
+std::vector<std::int32_t> sort_spheres(Spheres& spheres, Clumps& clumps,
+                                       WallContacts& wall_contacts);
+
+/// Builds both lists anew and takes the contacts with their history from the old ones; new_index of
+/// the spheres then, -1 for those that are gone, is empty if nothing changed. Pairs (i, j) are
+/// listed by ascending i, then j: the order of every sum. Spheres of one body are no pair, nor are
+/// two ghosts; ghosts meet no walls.
+void rebuild(const Box& box, double skin, const Walls& walls,
+             const std::vector<std::int32_t>& new_index, Spheres& spheres, NeighborLists& lists,
+             ContactPool& pool);
 
 /// Takes spheres that are to leave out of the lists and ends their contacts; new_index is their
-/// future index, or -1. The spheres themselves are selected by the caller.
+/// future index, or -1. The spheres themselves are selected by the caller afterwards.
 void remove_spheres(const std::vector<std::int32_t>& new_index, NeighborLists& lists,
-                    ContactPool& pool, WallContacts& wall_contacts);
+                    ContactPool& pool, const Spheres& spheres, WallContacts& wall_contacts);
 
 }  // namespace repose::dem

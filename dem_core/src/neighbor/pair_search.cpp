@@ -56,7 +56,8 @@ void add_close(const Box& box, double skin, const LocatedSphere& a,
     const LocatedSphere& b = level[index(k)];
     const Vec3 d = box.nearest_image_in<kMask>(b.x - a.x);
     const double reach = a.radius + b.radius + skin;
-    if (d.squaredNorm() < reach * reach && a.body != b.body) found.add(a.index, b.index);
+    if (d.squaredNorm() < reach * reach && a.body != b.body && !(a.is_ghost && b.is_ghost))
+      found.add(a.index, b.index);
   }
 }
 
@@ -97,8 +98,8 @@ std::vector<LevelGrid> levels_of(const Box& box, double skin, const Spheres& sph
     const Motion& sphere = spheres.motion[i];
     const auto level = static_cast<std::size_t>(std::max(0, std::ilogb(largest / sphere.radius)));
     if (level >= members.size()) members.resize(level + 1);
-    members[level].push_back(
-        {sphere.x, sphere.radius, static_cast<std::int32_t>(i), spheres.body[i]});
+    members[level].push_back({sphere.x, sphere.radius, static_cast<std::int32_t>(i),
+                              spheres.body[i], spheres.is_ghost(i)});
   }
   std::vector<LevelGrid> levels;
   for (std::vector<LocatedSphere>& level : members) {

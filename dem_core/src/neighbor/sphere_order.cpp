@@ -34,10 +34,8 @@ std::uint64_t morton_key(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   return spread(x) | spread(y) << 1 | spread(z) << 2;
 }
 
-std::vector<std::int32_t> morton_order(const Box& box, const Spheres& spheres) {
+void order_by_place(const Box& box, Spheres& spheres) {
   const double width = (box.upper - box.lower).maxCoeff() / kCells;
-  std::vector<Placed> placed;
-  placed.reserve(spheres.size());
   for (std::size_t i = 0; i < spheres.size(); ++i) {
     std::uint32_t at[3];
     for (int k = 0; k < 3; ++k) {
@@ -45,9 +43,15 @@ std::vector<std::int32_t> morton_order(const Box& box, const Spheres& spheres) {
       const double cell = (spheres.motion[i].x[k] - box.lower[k]) / width;
       at[k] = static_cast<std::uint32_t>(std::clamp(cell, 0.0, kCells - 1.0));
     }
-    placed.push_back(
-        {morton_key(at[0], at[1], at[2]), spheres.id[i], static_cast<std::int32_t>(i)});
+    spheres.key[i] = morton_key(at[0], at[1], at[2]);
   }
+}
+
+std::vector<std::int32_t> order_of(const Spheres& spheres) {
+  std::vector<Placed> placed;
+  placed.reserve(spheres.size());
+  for (std::size_t i = 0; i < spheres.size(); ++i)
+    placed.push_back({spheres.key[i], spheres.id[i], static_cast<std::int32_t>(i)});
   std::sort(placed.begin(), placed.end(), comes_before);
   std::vector<std::int32_t> order;
   order.reserve(placed.size());

@@ -13,13 +13,15 @@ namespace {
 
 std::string sizes_text(Simulation& sim) {
   const std::vector<Sphere> spheres = sim.spheres();
+  const std::int64_t bodies = sim.ledger().alive;
+  const double mass_kg = sim.mass_kg();
   if (spheres.empty()) return "no particles yet";
   const auto [smallest, largest] =
       std::minmax_element(spheres.begin(), spheres.end(),
                           [](const Sphere& a, const Sphere& b) { return a.radius_m < b.radius_m; });
-  return fmt::format("{} bodies of {} spheres of {} to {} m, {:.9g} kg", sim.ledger().alive,
-                     spheres.size(), shortest(2.0 * smallest->radius_m),
-                     shortest(2.0 * largest->radius_m), sim.mass_kg());
+  return fmt::format("{} bodies of {} spheres of {} to {} m, {:.9g} kg", bodies, spheres.size(),
+                     shortest(2.0 * smallest->radius_m), shortest(2.0 * largest->radius_m),
+                     mass_kg);
 }
 
 /// An impact's overlap goes with E^-0.4, that of a load with E^(-2/3): this is enough for both.

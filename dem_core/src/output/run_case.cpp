@@ -12,6 +12,7 @@
 #include "output/records.hpp"
 #include "output/run_lock.hpp"
 #include "output/run_state.hpp"
+#include "parallel/communicator.hpp"
 #include "repose/base/error.hpp"
 #include "repose/base/file.hpp"
 #include "repose/base/text.hpp"
@@ -57,7 +58,10 @@ class Stopwatch {
 std::optional<Checkpoint> checkpoint_of(const scene::Case& scene,
                                         const std::filesystem::path& run_dir, Start start) {
   const std::filesystem::path file = scene::checkpoint_file(run_dir);
-  if (start == Start::anew || !std::filesystem::exists(file)) return std::nullopt;
+  bool is_there = false;
+  const Communicator ranks = Communicator::of_launcher();
+  ranks.on_root([&] { is_there = start != Start::anew && std::filesystem::exists(file); });
+  if (ranks.broadcast(std::string(is_there ? "there" : "")).empty()) return std::nullopt;
   Checkpoint checkpoint = read_checkpoint(file);
   try {
     require_same_case(checkpoint, scene);
@@ -75,7 +79,7 @@ std::string builder_of(const Checkpoint& checkpoint) {
   return name != nullptr ? *name : "of an unnamed build";
 }
 
-/// A run under way.
+/// A run under way, on all ranks; root alone writes.
 class Runner {
  public:
   Runner(const scene::Case& scene, const std::filesystem::path& run_dir, const RunControl& control)
@@ -85,10 +89,10 @@ class Runner {
     try {
       run_all_stages();
     } catch (const RunStopped& stopped) {
-      writer_.log(stopped.what());
+      last_words(stopped.what());
       throw;
     } catch (const std::exception& error) {
-      writer_.log(std::string("failed: ") + error.what());
+      last_words(std::string("failed: ") + error.what());
       throw;
     }
     return summary_;
@@ -102,22 +106,32 @@ class Runner {
         checkpoint_file_(scene::checkpoint_file(run_dir)),
         now_(saved ? run_state_of(*saved) : RunState{}),
         goes_on_(saved.has_value()),
-        begun_by_(saved ? builder_of(*saved) : build_name()),
-        writer_(saved ? scene::RunWriter(run_dir, scene, now_.output)
-                      : scene::RunWriter(run_dir, scene)),
-        sim_(begun(scene, saved, writer_)) {
+        begun_by_(saved ? builder_of(*saved) : build_name()) {
+    ranks_.on_root([&] {
+      if (saved)
+        writer_.emplace(run_dir, scene, now_.output);
+      else
+        writer_.emplace(run_dir, scene);
+    });
+    try {
+      if (saved)
+        sim_.emplace(scene, *saved, control.balance);
+      else
+        sim_.emplace(scene, SimulationOptions{.balance = control.balance});
+    } catch (const std::exception& error) {
+      last_words(std::string("failed: ") + error.what());
+      throw;
+    }
     watch_.go_on_from(now_.wall_time_s, now_.processor_time_s);
     last_checkpoint_s_ = watch_.wall_s();
   }
 
-  static Simulation begun(const scene::Case& scene, const std::optional<Checkpoint>& saved,
-                          scene::RunWriter& writer) {
-    try {
-      return saved ? Simulation(scene, *saved) : Simulation(scene);
-    } catch (const std::exception& error) {
-      writer.log(std::string("failed: ") + error.what());
-      throw;
-    }
+  void log(const std::string& line) {
+    ranks_.on_root([&] { writer_->log(line); });
+  }
+  /// Where the others may be is not known.
+  void last_words(const std::string& line) {
+    if (writer_) writer_->log(line);
   }
 
   void run_all_stages() {
@@ -125,49 +139,58 @@ class Runner {
     for (std::size_t s = now_.stage; s < scene_.stages.size(); ++s) run_stage(s);
     require_all_rain();
     summarize();
-    const double cpu_s = watch_.processor_s();
-    writer_.log(fmt::format(
+    const double cpu_s = processor_s();
+    log(fmt::format(
         "finished: {} steps, {} builds of neighbor lists, {:.3g} s; processor time {:.3g} s, "
         "{:.3g} sphere-steps/s of it; {} bodies inserted, {} removed, {} alive; state {}",
-        sim_.steps(), sim_.rebuilds(), summary_.wall_time_s, cpu_s,
+        sim_->steps(), sim_->rebuilds(), summary_.wall_time_s, cpu_s,
         now_.sphere_steps / std::max(cpu_s, 1e-9), summary_.bodies.inserted,
         summary_.bodies.removed, summary_.bodies.alive, summary_.state_hash));
     if (now_.deepest.overlap.ratio() > kSoftOverlap) warn_of_soft_contact();
-    writer_.finish(summary_);
+    ranks_.on_root([&] { writer_->finish(summary_); });
+  }
+
+  /// Of all ranks.
+  double processor_s() const {
+    ExactSum sum[1];
+    sum[0].add(watch_.processor_s());
+    ranks_.add_up(sum);
+    return sum[0].value();
   }
 
   void prepare() {
-    dt_ = sim_.time_step_s();
+    dt_ = sim_->time_step_s();
     series_every_ = steps_of(scene_.output.series_interval_s, dt_);
     if (scene_.output.snapshot_interval_s > 0.0)
       snapshot_every_ = steps_of(scene_.output.snapshot_interval_s, dt_);
     if (goes_on_) {
-      writer_.log(fmt::format("repose-dem {}: goes on from the checkpoint at {:.6g} s, step {}",
-                              build_name(), sim_.time_s(), sim_.steps()));
+      log(fmt::format("repose-dem {}: goes on from the checkpoint at {:.6g} s, step {}",
+                      build_name(), sim_->time_s(), sim_->steps()));
       if (begun_by_ != build_name()) warn_of_other_build();
       return;
     }
-    for (const std::string& line : head_of_log(scene_, sim_)) writer_.log(line);
+    for (const std::string& line : head_of_log(scene_, *sim_)) log(line);
+    if (!ranks_.is_alone()) log(fmt::format("{} processes", ranks_.size()));
     add_rows();
   }
 
   void require_all_rain() const {
-    const double missing_kg = sim_.outstanding_rain_kg();
+    const double missing_kg = sim_->outstanding_rain_kg();
     if (missing_kg > 0.0)
       throw SimulationError(fmt::format(
           "{:.6g} kg of rain had not fallen when the last stage ended at {:.6g} s; {:.6g} kg are "
           "in; let stages last longer (minimum_s, duration_s) or rain faster",
-          missing_kg, sim_.time_s(), sim_.ledger().inserted_kg));
+          missing_kg, sim_->time_s(), sim_->ledger().inserted_kg));
   }
 
   void summarize() {
-    summary_.steps = sim_.steps();
+    summary_.steps = sim_->steps();
     summary_.time_step_s = dt_;
-    summary_.spheres = static_cast<std::int64_t>(sim_.size());
-    summary_.bodies = sim_.ledger();
+    summary_.spheres = static_cast<std::int64_t>(sim_->size());
+    summary_.bodies = sim_->ledger();
     summary_.wall_time_s = watch_.wall_s();
     summary_.largest_overlap_ratio = now_.deepest.overlap.ratio();
-    summary_.state_hash = fmt::format("{:016x}", sim_.state_hash());
+    summary_.state_hash = fmt::format("{:016x}", sim_->state_hash());
     summary_.engine = "repose-dem";
     summary_.version = version();
     summary_.seed = scene_.seed;
@@ -179,11 +202,11 @@ class Runner {
     const scene::Stage& stage = scene_.stages[number];
     if (goes_on_ && number == now_.stage) return {scene_, stage, now_.watch};
     now_.stage = number;
-    now_.latest_end_s = sim_.time_s() + longest_time_from(number);
-    sim_.begin_stage(stage.name);
-    now_.last_step = sim_.steps() + steps_of(stage.duration_s, dt_);
-    StageWatch watch(scene_, stage, sim_.time_s());
-    watch.ends_with(now_.last_row, rest_scale_j(stage));
+    now_.latest_end_s = sim_->time_s() + longest_time_from(number);
+    sim_->begin_stage(stage.name);
+    now_.last_step = sim_->steps() + steps_of(stage.duration_s, dt_);
+    StageWatch watch(scene_, stage, sim_->time_s());
+    ends(watch, stage);
     return watch;
   }
 
@@ -194,68 +217,83 @@ class Runner {
     while (reason.empty()) {
       now_.watch = watch.progress();
       advance(stage.name);
-      const bool is_last = sim_.steps() == now_.last_step;
-      if (sim_.steps() % series_every_ == 0 || is_last) {
+      const bool is_last = sim_->steps() == now_.last_step;
+      if (sim_->steps() % series_every_ == 0 || is_last) {
         add_rows();
-        reason = watch.ends_with(now_.last_row, rest_scale_j(stage));
+        reason = ends(watch, stage);
       }
       if (reason.empty() && is_last) reason = "duration";
-      if (!reason.empty() || (snapshot_every_ > 0 && sim_.steps() % snapshot_every_ == 0))
-        writer_.write_snapshot(snapshot_of(scene_, stage.name, sim_), sim_.wall_poses());
+      if (!reason.empty() || (snapshot_every_ > 0 && sim_->steps() % snapshot_every_ == 0)) {
+        const scene::Snapshot snapshot = snapshot_of(scene_, stage.name, *sim_);
+        ranks_.on_root([&] { writer_->write_snapshot(snapshot, sim_->wall_poses()); });
+      }
     }
-    now_.ends.push_back({stage.name, sim_.time_s(), reason});
-    writer_.log(fmt::format(
+    now_.ends.push_back({stage.name, sim_->time_s(), reason});
+    log(fmt::format(
         "stage \"{}\" ended at {:.6g} s: {}; {} bodies, kinetic energy {:.4g} J, {} "
         "contacts, largest overlap so far {:.3g} of the radius",
-        stage.name, sim_.time_s(), reason, sim_.ledger().alive, now_.last_row.kinetic_energy_j,
+        stage.name, sim_->time_s(), reason, sim_->ledger().alive, now_.last_row.kinetic_energy_j,
         now_.last_row.contacts, now_.deepest.overlap.ratio()));
+  }
+
+  /// Why the stage ends with the row just written; empty if it does not.
+  std::string ends(StageWatch& watch, const scene::Stage& stage) {
+    std::string reason;
+    ranks_.on_root([&] { reason = watch.ends_with(now_.last_row, rest_scale_j(stage)); });
+    return ranks_.broadcast(reason);
   }
 
   /// Nothing is at rest as long as rain is to fall.
   double rest_scale_j(const scene::Stage& stage) const {
-    return awaits_rain(scene_, stage.name, sim_) ? 0.0 : now_.weight_scale_j;
+    return awaits_rain(scene_, stage.name, *sim_) ? 0.0 : now_.weight_scale_j;
   }
 
   /// To the next step at which something is written, in portions; before each, requests are heard.
   void advance(const std::string& stage) {
-    const std::int64_t begun = sim_.steps();
+    const std::int64_t begun = sim_->steps();
     std::int64_t target = std::min(now_.last_step, (begun / series_every_ + 1) * series_every_);
     if (snapshot_every_ > 0)
       target = std::min(target, (begun / snapshot_every_ + 1) * snapshot_every_);
-    while (sim_.steps() < target) {
+    while (sim_->steps() < target) {
       hear_requests();
-      const double spheres = static_cast<double>(std::max<std::size_t>(sim_.size(), 1));
+      const double spheres = static_cast<double>(std::max<std::size_t>(sim_->size(), 1));
       const auto portion =
           std::max<std::int64_t>(1, static_cast<std::int64_t>(kWorkBetweenProgress / spheres));
-      const std::int64_t steps = std::min(portion, target - sim_.steps());
-      sim_.step(steps);
-      now_.sphere_steps += static_cast<double>(steps) * static_cast<double>(sim_.size());
-      if (control_.progress)
-        control_.progress(sim_.time_s(), std::max(now_.latest_end_s, sim_.time_s()), stage);
+      const std::int64_t steps = std::min(portion, target - sim_->steps());
+      sim_->step(steps);
+      now_.sphere_steps += static_cast<double>(steps) * static_cast<double>(sim_->size());
+      ranks_.on_root([&] {
+        if (control_.progress)
+          control_.progress(sim_->time_s(), std::max(now_.latest_end_s, sim_->time_s()), stage);
+      });
     }
   }
 
   void hear_requests() {
-    const Request request = control_.request ? control_.request() : Request::none;
+    const Request here = control_.request ? control_.request() : Request::none;
     const double interval_s = scene_.output.checkpoint_wall_time_s;
     const bool is_due = interval_s > 0.0 && watch_.wall_s() - last_checkpoint_s_ >= interval_s;
-    if (request == Request::none && !is_due) return;
+    double asked[3] = {here == Request::stop ? 1.0 : 0.0,
+                       here == Request::write_checkpoint ? 1.0 : 0.0, is_due ? 1.0 : 0.0};
+    ranks_.maximize(asked);  // signals may reach one rank alone
+    if (asked[0] + asked[1] + asked[2] == 0.0) return;
     save();
-    if (request == Request::stop)
+    if (asked[0] > 0.0)
       throw RunStopped(fmt::format(
           "interrupted at {:.4g} of at most {:.4g} s; the same command goes on from there",
-          sim_.time_s(), now_.latest_end_s));
-    if (request == Request::write_checkpoint)
-      writer_.log(fmt::format("checkpoint at {:.6g} s, as asked for", sim_.time_s()));
+          sim_->time_s(), now_.latest_end_s));
+    if (asked[1] > 0.0) log(fmt::format("checkpoint at {:.6g} s, as asked for", sim_->time_s()));
   }
 
   void save() {
-    now_.output = writer_.position();
     now_.wall_time_s = watch_.wall_s();
-    now_.processor_time_s = watch_.processor_s();
-    Checkpoint checkpoint = sim_.checkpoint();
-    add_to(checkpoint, now_);
-    write_checkpoint(checkpoint_file_, checkpoint);
+    now_.processor_time_s = processor_s();
+    Checkpoint checkpoint = sim_->checkpoint();
+    ranks_.on_root([&] {
+      now_.output = writer_->position();
+      add_to(checkpoint, now_);
+      write_checkpoint(checkpoint_file_, checkpoint);
+    });
     last_checkpoint_s_ = watch_.wall_s();
   }
 
@@ -268,21 +306,26 @@ class Runner {
 
   /// One row of every time series; loads on walls are of steps, so they begin after the first.
   void add_rows() {
-    const std::vector<Body> bodies = sim_.bodies();
+    const std::vector<Body> bodies = sim_->bodies();
     now_.weight_scale_j = weight_scale_j(scene_, bodies);
     scene::SeriesRow& row = now_.last_row;
-    row.time_s = sim_.time_s();
+    row.time_s = sim_->time_s();
     row.kinetic_energy_j = 0.0;
     for (const Body& body : bodies) row.kinetic_energy_j += body.kinetic_energy_j();
-    const LargestOverlap overlap = sim_.take_largest_overlap();
+    const LargestOverlap overlap = sim_->take_largest_overlap();
     note(overlap);
     row.max_overlap_ratio = overlap.ratio();
-    row.contacts = static_cast<std::int64_t>(sim_.contacts());
+    row.contacts = static_cast<std::int64_t>(sim_->contacts());
     row.region_mass_kg = region_masses(scene_, bodies);
-    writer_.add_row(row);
-    if (!scene_.walls.empty() && sim_.steps() > 0) writer_.add_row(wall_row_of(sim_));
-    writer_.add_row(scene::ContactRow{sim_.time_s(), sim_.contact_statistics()});
-    if (scene_.output.energy) writer_.add_row(sim_.energy());
+    add_row(row);
+    if (!scene_.walls.empty() && sim_->steps() > 0) add_row(wall_row_of(*sim_));
+    add_row(scene::ContactRow{sim_->time_s(), sim_->contact_statistics()});
+    if (scene_.output.energy) add_row(sim_->energy());
+  }
+
+  template <class Row>
+  void add_row(const Row& row) {
+    ranks_.on_root([&] { writer_->add_row(row); });
   }
 
   /// Warns when contacts are soft for the first time; once more at the end, of the deepest.
@@ -290,7 +333,7 @@ class Runner {
     if (overlap.ratio() <= now_.deepest.overlap.ratio()) return;
     const bool was_soft = now_.deepest.overlap.ratio() > kSoftOverlap;
     const bool is_soft = overlap.ratio() > kSoftOverlap;
-    now_.deepest = is_soft ? deep_contact(scene_, overlap, sim_) : DeepContact{overlap};
+    now_.deepest = is_soft ? deep_contact(scene_, overlap, *sim_) : DeepContact{overlap};
     if (is_soft && !was_soft) warn_of_soft_contact();
   }
 
@@ -304,8 +347,10 @@ class Runner {
   void warn_of_soft_contact() { warn(soft_contact_text(scene_, now_.deepest)); }
 
   void warn(const std::string& text) {
-    writer_.log("warning: " + text);
-    if (control_.warn) control_.warn(text);
+    ranks_.on_root([&] {
+      writer_->log("warning: " + text);
+      if (control_.warn) control_.warn(text);
+    });
   }
 
   const scene::Case& scene_;
@@ -315,8 +360,9 @@ class Runner {
   RunState now_;
   bool goes_on_;
   std::string begun_by_;  // build of the program that wrote the checkpoint
-  scene::RunWriter writer_;
-  Simulation sim_;
+  Communicator ranks_ = Communicator::of_launcher();
+  std::optional<scene::RunWriter> writer_;  // on root
+  std::optional<Simulation> sim_;
   scene::RunSummary summary_;
   double last_checkpoint_s_ = 0.0;  // of wall time
   double dt_ = 0.0;
@@ -351,7 +397,8 @@ void remove_content(const std::filesystem::path& folder, const RunLock& lock) {
 scene::RunSummary run_case(const scene::Case& scene, const std::filesystem::path& run_dir,
                            const RunControl& control) {
   scene::validate(scene);
-  const RunLock lock(run_dir);
+  std::optional<RunLock> lock;  // root's
+  Communicator::of_launcher().on_root([&] { lock.emplace(run_dir); });
   return Runner(scene, run_dir, control).run();
 }
 
@@ -362,16 +409,25 @@ scene::RunSummary run_case_into_file(const scene::Case& scene, const std::filesy
     throw StorageError("'" + file.string() + "' is a folder; give another name for the result");
   std::filesystem::path parts = file;
   parts += ".parts";
+  const Communicator ranks = Communicator::of_launcher();
   std::optional<scene::RunSummary> summary;
   {
-    const RunLock lock(parts);
-    if (control.start == Start::where_stopped) summary = finished_run(scene, parts / "run.h5");
-    if (!summary) summary = Runner(scene, parts, control).run();
-    commit_file(parts / "run.h5", file);
-    remove_content(parts, lock);
+    std::optional<RunLock> lock;  // root's
+    ranks.on_root([&] {
+      lock.emplace(parts);
+      if (control.start == Start::where_stopped) summary = finished_run(scene, parts / "run.h5");
+    });
+    const bool is_finished = !ranks.broadcast(std::string(summary ? "finished" : "")).empty();
+    if (!is_finished) summary = Runner(scene, parts, control).run();
+    ranks.on_root([&] {
+      commit_file(parts / "run.h5", file);
+      remove_content(parts, *lock);
+    });
   }
-  std::error_code ignored;
-  std::filesystem::remove(parts, ignored);  // unless somebody runs there by now
+  ranks.on_root([&] {
+    std::error_code ignored;
+    std::filesystem::remove(parts, ignored);  // unless somebody runs there by now
+  });
   return *summary;
 }
 

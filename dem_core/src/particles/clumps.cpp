@@ -105,7 +105,7 @@ DriftResult drift(const Box& box, double dt, Clumps& clumps, Spheres& spheres) {
   for (Clump& clump : clumps.all) {
     const Vec3 drifted = clump.x + clump.v * dt;
     clump.x = box.wrapped(drifted);
-    result.moved_kg_m += clump.mass * (clump.x - drifted);
+    result.moved_kg_m.add(clump.mass * (clump.x - drifted));
     const std::int32_t first_sphere = clumps.members[index(clump.first)].sphere;
     if (!box.contains(clump.x) && result.out < 0) result.out = first_sphere;
     const Quaternion before = clump.q;

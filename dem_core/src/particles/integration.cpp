@@ -7,11 +7,11 @@ namespace {
 
 /// Brings a sphere that crossed a periodic side back in; its listed position moves with it. False
 /// if it is outside all the same.
-bool wrap(const Box& box, double mass, Vec3& x, Vec3& listed, Vec3& moved_kg_m) {
+bool wrap(const Box& box, double mass, Vec3& x, Vec3& listed, ExactVectorSum& moved_kg_m) {
   const Vec3 inside = box.wrapped(x);
   const Vec3 shift = inside - x;
   listed += shift;
-  moved_kg_m += mass * shift;
+  moved_kg_m.add(mass * shift);
   x = inside;
   return box.contains(x);
 }
@@ -26,14 +26,13 @@ bool wrap(const Box& box, double mass, Vec3& x, Vec3& listed, Vec3& moved_kg_m) 
 
 void kick(const Vec3& gravity, double dt, Spheres& spheres) {
   for (std::size_t i = 0; i < spheres.size(); ++i)
-    if (spheres.member[i] < 0)
-      kick(gravity, dt, spheres.load[i], spheres.motion[i], spheres.spin[i]);
+    if (spheres.is_alone(i)) kick(gravity, dt, spheres.load[i], spheres.motion[i], spheres.spin[i]);
 }
 
 DriftResult kick_and_drift(const Box& box, const Vec3& gravity, double dt, Spheres& spheres) {
   DriftResult result;
   for (std::size_t i = 0; i < spheres.size(); ++i) {
-    if (spheres.member[i] >= 0) continue;
+    if (!spheres.is_alone(i)) continue;
     Motion& sphere = spheres.motion[i];
     kick(gravity, dt, spheres.load[i], sphere, spheres.spin[i]);
     sphere.x += sphere.v * dt;

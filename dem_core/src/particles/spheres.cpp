@@ -23,6 +23,7 @@ void Spheres::select(const std::vector<std::int32_t>& order) {
   select_from(order, body);
   select_from(order, member);
   select_from(order, mass);
+  select_from(order, key);
 }
 
 }  // namespace repose::dem

@@ -30,6 +30,11 @@ struct alignas(64) Load {
   double unused_b = 0.0;
 };
 
+/// What stands in Spheres::member of a sphere that no clump here holds.
+inline constexpr std::int32_t kAlone = -1;         ///< a body of one sphere
+inline constexpr std::int32_t kGhost = -2;         ///< such a body, of another process
+inline constexpr std::int32_t kGhostOfClump = -3;  ///< a sphere of a clump of another process
+
 /// A sphere to be added.
 struct NewSphere {
   Motion motion;
@@ -37,7 +42,8 @@ struct NewSphere {
   std::int32_t material = 0;
   std::int32_t id = 0;
   std::int32_t body = 0;
-  std::int32_t member = -1;
+  std::int32_t member = kAlone;
+  std::uint64_t key = 0;
   double mass = 0.0;
 };
 
@@ -49,10 +55,14 @@ struct Spheres {
   std::vector<std::int32_t> material;
   std::vector<std::int32_t> id;
   std::vector<std::int32_t> body;    ///< id of the rigid body that it belongs to
-  std::vector<std::int32_t> member;  ///< index into Clumps::members; -1 for a body of one sphere
+  std::vector<std::int32_t> member;  ///< index into Clumps::members, or kAlone and the like
   std::vector<double> mass;          ///< share of its body's
+  std::vector<std::uint64_t> key;    ///< orders spheres, ties by id; see order_by_place()
 
   std::size_t size() const { return motion.size(); }
+  bool is_alone(std::size_t i) const { return member[i] == kAlone; }
+  bool is_ghost(std::size_t i) const { return member[i] <= kGhost; }
+  bool is_of_clump(std::size_t i) const { return member[i] >= 0 || member[i] == kGhostOfClump; }
 
   void add(const NewSphere& sphere) {
     motion.push_back(sphere.motion);
@@ -64,6 +74,7 @@ struct Spheres {
     body.push_back(sphere.body);
     member.push_back(sphere.member);
     mass.push_back(sphere.mass);
+    key.push_back(sphere.key);
   }
 
   /// Keeps the spheres order[0], order[1], ... in this order.

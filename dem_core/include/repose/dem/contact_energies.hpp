@@ -23,17 +23,6 @@ struct ContactEnergies {
   double lost_w() const {
     return normal_damping_w + tangential_damping_w + sliding_w + rolling_w + stiffness_change_w;
   }
-  ContactEnergies& operator+=(const ContactEnergies& other) {
-    normal_j += other.normal_j;
-    tangential_j += other.tangential_j;
-    rolling_j += other.rolling_j;
-    normal_damping_w += other.normal_damping_w;
-    tangential_damping_w += other.tangential_damping_w;
-    sliding_w += other.sliding_w;
-    rolling_w += other.rolling_w;
-    stiffness_change_w += other.stiffness_change_w;
-    return *this;
-  }
 };
 
 /// Stands for ContactEnergies where nobody asks.

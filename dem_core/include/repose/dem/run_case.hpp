@@ -7,6 +7,7 @@
 
 #include "repose/base/error.hpp"
 #include "repose/base/progress.hpp"
+#include "repose/dem/simulation.hpp"
 #include "repose/scene/run_output.hpp"
 
 namespace repose::dem {
@@ -31,6 +32,7 @@ struct RunControl {
   /// the run has finished.
   std::function<void(std::string_view)> warn{};
   Start start = Start::where_stopped;
+  Balance balance = Balance::by_cost;  ///< of processes
 };
 
 /// Request::stop was followed: the checkpoint is written.

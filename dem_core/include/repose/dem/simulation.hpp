@@ -65,16 +65,28 @@ struct LargestOverlap {
   double ratio() const { return overlap_m / smaller_radius_m; }
 };
 
+/// When the domain is cut anew among processes; it changes no bit of the result.
+enum class Balance {
+  by_cost,  ///< at the start and whenever the costs of processes are too unequal
+  never     ///< at the start only
+};
+
 struct SimulationOptions {
   /// Time step; 0 takes Case::time_step_rayleigh_fraction of the smallest Rayleigh time present.
   double time_step_s = 0.0;
   /// Skin of the neighbor lists in smallest radii; 0 lets it follow the pace of the particles. It
   /// changes no bit of the result.
   double skin_radii = 0.0;
+  Balance balance = Balance::by_cost;
 };
 
 /// Owns all state of a run. Time advances by step(); everything in between is read only. One
-/// thread; the same case gives the same bits in every run of one build.
+/// thread; the same case gives the same bits in every run of one build, on any number of processes.
+///
+/// Where a launcher of MPI started several processes and a ParallelSession lives, they simulate the
+/// case together. Then every function is to be called by all of them in the same order, an error is
+/// thrown by all, and bodies(), spheres(), energy() and tables of a checkpoint are complete on rank
+/// 0 and empty or meaningless elsewhere; other results are the same on all.
 class Simulation {
  public:
   /// Takes materials, walls, domain, gravity and particles from the case, and places its fill.
@@ -83,7 +95,8 @@ class Simulation {
   explicit Simulation(const scene::Case& scene, const SimulationOptions& options = {});
   /// Goes on from a checkpoint of the same case as if the simulation had never stopped: bit for
   /// bit, in one build. Throws InputError as require_same_case(), StorageError.
-  Simulation(const scene::Case& scene, const Checkpoint& checkpoint);
+  Simulation(const scene::Case& scene, const Checkpoint& checkpoint,
+             Balance balance = Balance::by_cost);
   ~Simulation();
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;

@@ -1,0 +1,12 @@
+// Starts the program again as several processes.
+#pragma once
+
+namespace repose::dem {
+
+/// Runs this program with these arguments under mpirun on `ranks` processes and waits. Signals to
+/// stop and to write a checkpoint are passed on. Returns the exit code: that of the ranks, or 5
+/// with a message on stderr that names the rank if one died. Throws StorageError if mpirun is not
+/// there.
+int launch_ranks(int ranks, int argc, char** argv);
+
+}  // namespace repose::dem
