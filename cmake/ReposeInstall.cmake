@@ -62,6 +62,7 @@ function(repose_install_package)
   write_basic_package_version_file("${PROJECT_BINARY_DIR}/cmake/repose-config-version.cmake"
     COMPATIBILITY SameMinorVersion)
   install(FILES "${PROJECT_BINARY_DIR}/cmake/repose-config.cmake"
-    "${PROJECT_BINARY_DIR}/cmake/repose-config-version.cmake" DESTINATION "${REPOSE_INSTALL_CMAKEDIR}")
+    "${PROJECT_BINARY_DIR}/cmake/repose-config-version.cmake" "${PROJECT_SOURCE_DIR}/cmake/FindLIBSVM.cmake"
+    DESTINATION "${REPOSE_INSTALL_CMAKEDIR}")
   install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
 endfunction()

@@ -138,8 +138,8 @@ Minimum minimize(const Objective& objective, const Vector& start, const Set& set
 
   Algorithm algorithm = options.algorithm;
   RunEnd end = run(algorithm, first, options, recorder);
-  while (end == RunEnd::gave_up && fallback_of(algorithm, set) &&
-         recorder.points() < options.max_evaluations) {
+  while (end == RunEnd::gave_up && options.fallback == Fallback::next_method &&
+         fallback_of(algorithm, set) && recorder.points() < options.max_evaluations) {
     algorithm = *fallback_of(algorithm, set);
     end = run(algorithm, recorder.best(), options, recorder);
   }

@@ -26,4 +26,13 @@ std::span<const ModelKind> model_kinds();
 std::optional<ModelContent> write_gaussian_process(const Regressor& model);
 Regressor read_gaussian_process(const ModelReader& file, std::vector<Input> inputs);
 
+std::optional<ModelContent> write_linear_model(const Regressor& model);
+Regressor read_linear_model(const ModelReader& file, std::vector<Input> inputs);
+
+std::optional<ModelContent> write_perceptron(const Regressor& model);
+Regressor read_perceptron(const ModelReader& file, std::vector<Input> inputs);
+
+std::optional<ModelContent> write_svr(const Regressor& model);
+Regressor read_svr(const ModelReader& file, std::vector<Input> inputs);
+
 }  // namespace repose::surrogate

@@ -146,5 +146,20 @@ TEST(Lbfgs, FindsTheBottomOfALongValley) {
   EXPECT_EQ(m.message.find("lbfgs: converged"), 0u) << m.message;
 }
 
+// A kink stops it; other methods would go on.
+TEST(Lbfgs, EndsThereWithoutAFallback) {
+  const Objective roof = [](const Vector& x, Vector* g) {
+    if (g != nullptr)
+      for (Eigen::Index i = 0; i < x.size(); ++i) (*g)[i] = x[i] > 0.3 ? 1.0 : -2.0;
+    return (x.array() > 0.3).select(x.array() - 0.3, 2.0 * (0.3 - x.array())).sum();
+  };
+  const Bounds box{Vector::Constant(3, -1.0), Vector::Constant(3, 1.0)};
+  const Minimum alone = minimize(roof, Vector{{1.0, 0.5, -1.0}}, box, {.fallback = Fallback::none});
+  const Minimum followed = minimize(roof, Vector{{1.0, 0.5, -1.0}}, box);
+  EXPECT_EQ(alone.message.find("lbfgs: "), 0u) << alone.message;
+  EXPECT_NE(followed.message.find("lbfgs: "), 0u) << followed.message;
+  EXPECT_LT(alone.evaluations, followed.evaluations);
+}
+
 }  // namespace
 }  // namespace repose::opt

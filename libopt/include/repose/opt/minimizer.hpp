@@ -17,6 +17,12 @@ namespace repose::opt {
 /// crs2, direct_l, isres. slsqp and isres take linear constraints, all take ties.
 enum class Algorithm { lbfgs, slsqp, bobyqa, crs2, direct_l, isres };
 
+/// What follows a method that gives up.
+enum class Fallback {
+  next_method,  ///< of lbfgs -> slsqp -> bobyqa, while evaluations are left
+  none          ///< nothing: slsqp takes O(d^3) a step, bobyqa thousands of steps
+};
+
 struct MinimizerOptions {
   Algorithm algorithm = Algorithm::lbfgs;
   /// Stop when |x_new - x| <= relative_x_tolerance |x| + absolute_x_tolerance (upper - lower).
@@ -32,6 +38,7 @@ struct MinimizerOptions {
   /// Second derivative that lbfgs assumes where its steps have not told it; 0: that of the newest
   /// step, which takes no notice of units. >= 0.
   double initial_curvature = 0.0;
+  Fallback fallback = Fallback::next_method;
   /// Of crs2 and isres.
   std::uint64_t seed = 1;
 };
@@ -55,7 +62,7 @@ struct Minimum {
 
 /// The smallest value found from `start`, which is first projected onto the bounds. The best point
 /// seen is kept whatever the method says in the end. A method that gives up hands its best point to
-/// the next of lbfgs -> slsqp -> bobyqa while evaluations are left. Same arguments, same bits.
+/// the next as MinimizerOptions::fallback says. Same arguments, same bits.
 /// Throws InputError on bad bounds or a start of the wrong length; exceptions of `objective` pass.
 Minimum minimize(const Objective& objective, const Vector& start, const Bounds& bounds,
                  const MinimizerOptions& options = {});

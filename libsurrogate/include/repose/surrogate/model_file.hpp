@@ -22,6 +22,22 @@
 //   /trend         regression functions and their coefficients; /functions those of the user
 //   /parameters    what the fit searched for
 // Versions 1 and 2, which lack variance_factor and /parameter_uncertainty, are read too.
+//
+// "linear-model", version 1:
+//   /              method, error_variance and coefficient_variance (where known), rank,
+//   residual_df,
+//                  iterations, converged
+//   /terms         first, second (coded columns from 0, equal for a main effect; -1: the constant),
+//                  coefficient
+//   /root          values, by columns: R (coefficients x rank), coefficient_variance R R^T is the
+//                  coefficients' covariance; /row_space where rank < coefficients: V, likewise
+//
+// "support-vector-regression", version 1, and "perceptron", version 1:
+//   /columns       a row a coordinate: z = (u - shift) factor
+//   /              kernel, kernel_scale, shift, scale, offset; y = shift + scale (sum weight k +
+//                  offset). /support_vectors: u1 ... up (divided by kernel_scale), weight
+//   /              shift, scale; y = shift + scale * mean of the networks. /layers: neurons;
+//                  /parameters: network1 ... (W by columns, b, layer by layer); /training
 #pragma once
 
 #include <filesystem>
