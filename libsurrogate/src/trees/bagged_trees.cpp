@@ -1,0 +1,343 @@
+#include "repose/surrogate/bagged_trees.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "growing.hpp"
+#include "importance.hpp"
+#include "repose/base/error.hpp"
+#include "repose/base/thread_pool.hpp"
+#include "states.hpp"
+
+namespace repose::surrogate {
+namespace {
+
+using trees::Count;
+using trees::Forest;
+
+/// How often each point is in a bag. The bag of a tree is drawn from the tree's own stream, so that
+/// it can be drawn again.
+void draw_bag(RandomStream& random, std::span<Count> times) {
+  std::fill(times.begin(), times.end(), Count{0});
+  for (std::size_t i = 0; i < times.size(); ++i)
+    ++times[static_cast<std::size_t>(random.below(times.size()))];
+}
+
+RandomStream stream_of(std::uint64_t seed, std::size_t tree) {
+  return RandomStream(seed, tree);
+}
+
+/// One flag or number for each tree and row, trees one after another.
+template <class T>
+class OfTreesAndRows {
+ public:
+  OfTreesAndRows(std::size_t trees, std::size_t rows) : rows_(rows), values_(trees * rows) {}
+  T& operator()(std::size_t tree, std::size_t row) { return values_[tree * rows_ + row]; }
+  T operator()(std::size_t tree, std::size_t row) const { return values_[tree * rows_ + row]; }
+
+ private:
+  std::size_t rows_;
+  std::vector<T> values_;
+};
+using OutOfBagFlags = OfTreesAndRows<std::uint8_t>;
+
+OutOfBagFlags out_of_bag_flags(std::uint64_t seed, std::size_t number,
+                               const trees::Points& points) {
+  OutOfBagFlags out(number, points.of_row.size());
+  std::vector<Count> times(points.number);
+  for (std::size_t t = 0; t < number; ++t) {
+    RandomStream random = stream_of(seed, t);
+    draw_bag(random, times);
+    for (std::size_t i = 0; i < points.of_row.size(); ++i)
+      out(t, i) = times[points.of_row[i]] == 0 ? 1 : 0;
+  }
+  return out;
+}
+
+/// Trees first, first + stride, ...
+template <class G>
+void grow_trees(const TrainingSet& data, const trees::Columns& columns, const trees::Limits& limits,
+                const trees::Points& points, std::uint64_t seed, std::size_t first,
+                std::size_t stride, std::vector<Forest>& forests) {
+  G grower(columns, limits);
+  const std::vector<double> weights = trees::weights_of(data);
+  std::vector<Count> times(points.number);
+  std::vector<Count> count(points.of_row.size());
+  for (std::size_t t = first; t < forests.size(); t += stride) {
+    RandomStream random = stream_of(seed, t);
+    draw_bag(random, times);
+    for (std::size_t i = 0; i < count.size(); ++i) count[i] = times[points.of_row[i]];
+    grower.grow(std::span(data.y.data(), count.size()), weights, count, random);
+    forests[t] = grower.forest();
+  }
+}
+
+Forest grow_bag(const TrainingSet& data, const BaggedTreesOptions& options,
+                const trees::Points& points) {
+  const trees::Columns columns(data.x, data.inputs);
+  const trees::Limits limits = trees::limits_of(options.tree, columns, data.dimension());
+  std::vector<Forest> forests(static_cast<std::size_t>(options.trees));
+  const std::size_t parts =
+      options.threads == 1 ? 1 : std::min<std::size_t>(forests.size(), 64);  // balanced
+  parallel_for(parts, options.threads, [&](std::size_t part) {
+    trees::with_sums_of(data, [&]<class G>(G*) {
+      grow_trees<G>(data, columns, limits, points, options.seed, part, parts, forests);
+    });
+  });
+  Forest bag;
+  for (const Forest& tree : forests) bag.append(tree);
+  return bag;
+}
+
+/// Means of the trees whose bag a row is not in; NaN where there is none.
+Vector predict_out_of_bag(const Forest& forest, const Matrix& x, const OutOfBagFlags& out) {
+  Vector sum = Vector::Zero(x.rows());
+  Vector number = Vector::Zero(x.rows());
+  trees::for_each_leaf(
+      forest, x, [&](std::size_t t, Eigen::Index first, std::span<const std::int32_t> leaves) {
+        for (const std::int32_t leaf : leaves) {
+          const double flag = out(t, static_cast<std::size_t>(first));
+          sum[first] += flag * forest.means[static_cast<std::size_t>(leaf)];
+          number[first++] += flag;
+        }
+      });
+  return sum.cwiseQuotient(number);  // 0/0 is NaN
+}
+
+/// By weight, of the rows that have a prediction.
+OutOfBag judged(Vector predicted, const TrainingSet& data) {
+  const std::vector<double> weights = trees::weights_of(data);
+  OutOfBag result{.predicted = std::move(predicted)};
+  double weight = 0.0;
+  double mean = 0.0;
+  double squares = 0.0;
+  const auto each_row = [&](auto use) {
+    for (Eigen::Index i = 0; i < data.rows(); ++i)
+      if (!std::isnan(result.predicted[i])) use(i, weights[static_cast<std::size_t>(i)]);
+  };
+  each_row([&](Eigen::Index i, double w) {
+    ++result.rows;
+    weight += w;
+    mean += w * data.y[i];
+    squares += w * std::pow(data.y[i] - result.predicted[i], 2);
+  });
+  mean /= weight;
+  double spread = 0.0;
+  each_row([&](Eigen::Index i, double w) { spread += w * std::pow(data.y[i] - mean, 2); });
+  result.rmse = std::sqrt(squares / weight);
+  result.q2 = 1.0 - squares / spread;
+  return result;
+}
+
+/// The errors of rows in the leaves they fall into while out of bag.
+void add_leaf_errors(TreeAccess::State<BaggedTrees>& state, const TrainingSet& data,
+                     const OutOfBagFlags& out) {
+  state.squares.assign(state.forest.nodes.size(), 0.0);
+  state.errors.assign(state.forest.nodes.size(), 0.0);
+  const Vector square = (data.y - state.out_of_bag.predicted).cwiseAbs2();
+  trees::for_each_leaf(
+      state.forest, data.x,
+      [&](std::size_t t, Eigen::Index first, std::span<const std::int32_t> leaves) {
+        for (const std::int32_t leaf : leaves) {
+          const Eigen::Index i = first++;
+          if (out(t, static_cast<std::size_t>(i)) == 0) continue;
+          state.squares[static_cast<std::size_t>(leaf)] += square[i];
+          state.errors[static_cast<std::size_t>(leaf)] += 1.0;
+        }
+      });
+}
+
+/// N_bi - 1 of [Wager2014], points x trees.
+Matrix bag_matrix(std::uint64_t seed, Eigen::Index points, Eigen::Index number) {
+  Matrix bags(points, number);
+  std::vector<Count> times(static_cast<std::size_t>(points));
+  for (Eigen::Index t = 0; t < number; ++t) {
+    RandomStream random = stream_of(seed, static_cast<std::size_t>(t));
+    draw_bag(random, times);
+    for (Eigen::Index p = 0; p < points; ++p)
+      bags(p, t) = static_cast<double>(times[static_cast<std::size_t>(p)]) - 1.0;
+  }
+  return bags;
+}
+
+/// V_IJ-U of [Wager2014] and the variance of the mean of so many trees.
+Vector function_variance(const Matrix& of_trees, const Matrix& bags) {
+  const auto number = static_cast<double>(of_trees.rows());
+  const auto points = static_cast<double>(bags.rows());
+  const Matrix centred = of_trees.rowwise() - of_trees.colwise().mean();
+  const Vector squares = centred.colwise().squaredNorm();
+  const Vector jackknife = (bags * centred / number).colwise().squaredNorm();
+  const Vector corrected = jackknife - points / (number * number) * squares;
+  return corrected.cwiseMax(0.0) + squares / (number * (number - 1.0));
+}
+
+/// [Lu2021]
+Vector observation_variance(const TreeAccess::State<BaggedTrees>& state, const Matrix& x) {
+  Vector squares = Vector::Zero(x.rows());
+  Vector errors = Vector::Zero(x.rows());
+  trees::for_each_leaf(state.forest, x,
+                       [&](std::size_t, Eigen::Index first, std::span<const std::int32_t> leaves) {
+                         for (const std::int32_t leaf : leaves) {
+                           squares[first] += state.squares[static_cast<std::size_t>(leaf)];
+                           errors[first++] += state.errors[static_cast<std::size_t>(leaf)];
+                         }
+                       });
+  const double everywhere = state.out_of_bag.rmse * state.out_of_bag.rmse;
+  for (Eigen::Index i = 0; i < x.rows(); ++i)
+    squares[i] = errors[i] > 0.0 ? squares[i] / errors[i] : everywhere;
+  return squares;
+}
+
+/// Rows out of a tree's bag, and how wrong the tree is there when an input is exchanged among them.
+class TreeErrors {
+ public:
+  TreeErrors(const Forest& forest, std::size_t tree, const Matrix& x, const Vector& y)
+      : forest_(forest), tree_(tree), y_(y), leaves_(static_cast<std::size_t>(x.rows())) {
+    trees::transpose_block(x, 0, x.rows(), block_);
+  }
+  double mean_square() {
+    const auto d = static_cast<Eigen::Index>(block_.size()) / y_.size();
+    trees::find_leaves(forest_, tree_, block_.data(), y_.size(), d, leaves_.data());
+    double sum = 0.0;
+    for (Eigen::Index i = 0; i < y_.size(); ++i)
+      sum += std::pow(
+          y_[i] - forest_.means[static_cast<std::size_t>(leaves_[static_cast<std::size_t>(i)])], 2);
+    return sum / static_cast<double>(y_.size());
+  }
+  double mean_square_without(std::size_t input, RandomStream& random) {
+    const std::size_t d = block_.size() / leaves_.size();
+    std::vector<double> values;
+    for (std::size_t i = 0; i < leaves_.size(); ++i) values.push_back(block_[i * d + input]);
+    std::vector<double> exchanged = values;
+    random.shuffle(exchanged);
+    for (std::size_t i = 0; i < leaves_.size(); ++i) block_[i * d + input] = exchanged[i];
+    const double result = mean_square();
+    for (std::size_t i = 0; i < leaves_.size(); ++i) block_[i * d + input] = values[i];
+    return result;
+  }
+
+ private:
+  const Forest& forest_;
+  std::size_t tree_;
+  Vector y_;
+  std::vector<double> block_;
+  std::vector<std::int32_t> leaves_;
+};
+
+std::vector<bool> inputs_used(const Forest& forest, std::size_t tree, std::size_t inputs) {
+  std::vector<bool> used(inputs, false);
+  for (auto i = static_cast<std::size_t>(forest.trees[tree].root); i < forest.end_of(tree); ++i)
+    if (!forest.nodes[i].is_leaf()) used[static_cast<std::size_t>(forest.nodes[i].column())] = true;
+  return used;
+}
+
+}  // namespace
+
+BaggedTrees BaggedTrees::fit(const TrainingSet& data, const BaggedTreesOptions& given) {
+  check(data);
+  BaggedTreesOptions options = given;
+  if (options.trees < 1)
+    throw InputError(fmt::format("{} trees in a bag; there must be at least 1", options.trees));
+  trees::check_options(options.tree, data.dimension());
+  if (!options.tree.predictors) options.tree.predictors = (data.dimension() + 2) / 3;
+  const trees::Points points = trees::points_of(data);
+  State state{.inputs = data.inputs, .options = options, .points = points.number};
+  state.forest = grow_bag(data, options, points);
+  const auto out = out_of_bag_flags(options.seed, static_cast<std::size_t>(options.trees), points);
+  state.out_of_bag = judged(predict_out_of_bag(state.forest, data.x, out), data);
+  add_leaf_errors(state, data, out);
+  return TreeAccess::make<BaggedTrees>(std::move(state));
+}
+
+Vector BaggedTrees::predict(const Matrix& x) const {
+  check_points(state_->inputs, x);
+  Vector sum = Vector::Zero(x.rows());
+  trees::add_predictions(state_->forest, x, 1.0, sum);
+  return sum / static_cast<double>(state_->forest.trees.size());
+}
+
+Predictions BaggedTrees::predict_with_variances(const Matrix& x) const {
+  Predictions result{.mean = predict(x)};
+  if (state_->out_of_bag.rows > 0) result.observation_variance = observation_variance(*state_, x);
+  const auto number = static_cast<Eigen::Index>(state_->forest.trees.size());
+  if (number < 2) return result;
+  const Matrix bags = bag_matrix(state_->options.seed, state_->points, number);
+  result.function_variance.resize(x.rows());
+  for (Eigen::Index first = 0; first < x.rows(); first += trees::kBlock) {
+    const Eigen::Index rows = std::min(trees::kBlock, x.rows() - first);
+    result.function_variance.segment(first, rows) = function_variance(
+        trees::predictions_of_trees(state_->forest, x.middleRows(first, rows)), bags);
+  }
+  return result;
+}
+
+std::vector<Importance> BaggedTrees::importance(const TrainingSet& data, std::uint64_t seed) const {
+  check(data);
+  const trees::Points points = trees::points_of(data);
+  if (points.number != state_->points ||
+      data.dimension() != static_cast<Eigen::Index>(inputs().size()))
+    throw InputError(fmt::format(
+        "the importance of inputs needs the data the model was fitted to: {} points of {} inputs, "
+        "not {} of {}",
+        state_->points, inputs().size(), points.number, data.dimension()));
+  const auto number = state_->forest.trees.size();
+  const auto out = out_of_bag_flags(state_->options.seed, number, points);
+  const auto d = static_cast<std::size_t>(data.dimension());
+  Matrix increase = Matrix::Zero(static_cast<Eigen::Index>(number), data.dimension());
+  Eigen::Index judged_trees = 0;
+  for (std::size_t t = 0; t < number; ++t) {
+    std::vector<Eigen::Index> rows;
+    for (std::size_t i = 0; i < points.of_row.size(); ++i)
+      if (out(t, i) != 0) rows.push_back(static_cast<Eigen::Index>(i));
+    if (rows.size() < 2) continue;
+    TreeErrors errors(state_->forest, t, data.x(rows, Eigen::all), data.y(rows));
+    const double before = errors.mean_square();
+    const std::vector<bool> used = inputs_used(state_->forest, t, d);
+    for (std::size_t k = 0; k < d; ++k) {
+      RandomStream random(seed, t * d + k);
+      if (used[k])
+        increase(judged_trees, static_cast<Eigen::Index>(k)) =
+            errors.mean_square_without(k, random) - before;
+    }
+    ++judged_trees;
+  }
+  if (judged_trees < 2)
+    throw InputError(
+        "fewer than two trees have rows out of their bags; grow more trees or give more rows");
+  return trees::importance_of(increase.topRows(judged_trees));
+}
+
+const std::vector<Input>& BaggedTrees::inputs() const {
+  return state_->inputs;
+}
+
+const BaggedTreesOptions& BaggedTrees::options() const {
+  return state_->options;
+}
+
+const OutOfBag& BaggedTrees::out_of_bag() const {
+  return state_->out_of_bag;
+}
+
+Eigen::Index BaggedTrees::points() const {
+  return state_->points;
+}
+
+std::string BaggedTrees::describe() const {
+  return fmt::format(
+      "{} bagged trees{}", state_->options.trees,
+      trees::describe(state_->options.tree, static_cast<Eigen::Index>(inputs().size())));
+}
+
+Trainer bagged_trees_trainer(std::string name, const BaggedTreesOptions& options) {
+  return {std::move(name), [options](const TrainingSet& data, std::uint64_t seed) -> Regressor {
+            BaggedTreesOptions o = options;
+            o.seed = seed;
+            return BaggedTrees::fit(data, o);
+          }};
+}
+
+}  // namespace repose::surrogate
