@@ -10,6 +10,9 @@ std::span<const ModelKind> model_kinds() {
       ModelKind{"linear-model", 1, write_linear_model, read_linear_model},
       ModelKind{"perceptron", 1, write_perceptron, read_perceptron},
       ModelKind{"support-vector-regression", 1, write_svr, read_svr},
+      ModelKind{"tree", 1, write_tree, read_tree},
+      ModelKind{"bagged-trees", 1, write_bagged_trees, read_bagged_trees},
+      ModelKind{"boosted-trees", 1, write_boosted_trees, read_boosted_trees},
   };
   return kKinds;
 }

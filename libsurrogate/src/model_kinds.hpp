@@ -25,6 +25,12 @@ std::span<const ModelKind> model_kinds();
 
 std::optional<ModelContent> write_gaussian_process(const Regressor& model);
 Regressor read_gaussian_process(const ModelReader& file, std::vector<Input> inputs);
+std::optional<ModelContent> write_tree(const Regressor& model);
+Regressor read_tree(const ModelReader& file, std::vector<Input> inputs);
+std::optional<ModelContent> write_bagged_trees(const Regressor& model);
+Regressor read_bagged_trees(const ModelReader& file, std::vector<Input> inputs);
+std::optional<ModelContent> write_boosted_trees(const Regressor& model);
+Regressor read_boosted_trees(const ModelReader& file, std::vector<Input> inputs);
 
 std::optional<ModelContent> write_linear_model(const Regressor& model);
 Regressor read_linear_model(const ModelReader& file, std::vector<Input> inputs);

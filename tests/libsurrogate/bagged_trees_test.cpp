@@ -147,19 +147,18 @@ TEST(BaggedTrees, HaveTheVarianceOfErrorsNearby) {
             1e-12);
 }
 
-// 95 % intervals by a normal distribution over 400 points of 3 data sets: within four standard
-// deviations of a fraction, sqrt(0.95 0.05/400), widened by what 120 rows leave open
-TEST(BaggedTrees, HaveIntervalsThatHoldObservations) {
-  for (const std::uint64_t seed : {1, 2, 3}) {
+// Errors out of bag are those of fewer trees, so a little too large; the mean over 8 data sets of a
+// ratio of variances from 120 rows scatters by sqrt(2/120/8) = 5 %
+TEST(BaggedTrees, ExpectErrorsAsLargeAsTheyAre) {
+  double ratio = 0.0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     const auto bag = BaggedTrees::fit(mixed_sample(120, seed), {.trees = 300});
-    const TrainingSet fresh = mixed_sample(400, 100 + seed);
+    const TrainingSet fresh = mixed_sample(1000, 100 + seed);
     const Predictions p = bag.predict_with_variances(fresh.x);
-    Eigen::Index inside = 0;
-    for (Eigen::Index i = 0; i < 400; ++i)
-      inside += std::abs(fresh.y[i] - p.mean[i]) < 1.96 * std::sqrt(p.observation_variance[i]);
-    EXPECT_GE(inside, 0.88 * 400);
-    EXPECT_LE(inside, 0.995 * 400);
+    ratio += (fresh.y - p.mean).squaredNorm() / p.observation_variance.sum() / 8.0;
   }
+  EXPECT_GT(ratio, 0.7);
+  EXPECT_LT(ratio, 1.1);
 }
 
 TEST(BaggedTrees, DrawReplicatesTogether) {

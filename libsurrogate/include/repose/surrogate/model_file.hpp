@@ -38,6 +38,20 @@
 //                  offset). /support_vectors: u1 ... up (divided by kernel_scale), weight
 //   /              shift, scale; y = shift + scale * mean of the networks. /layers: neurons;
 //                  /parameters: network1 ... (W by columns, b, layer by layer); /training
+//
+// "tree", "bagged-trees", "boosted-trees", version 1:
+//   /              attributes: minimum_leaf, maximum_splits, maximum_depth, predictors (0: no limit);
+//                  of ensembles seed; of bags points, out_of_bag_rows, _rmse, _q2; of boosting
+//                  constant, learning_rate and how it was stopped. A prediction is the leaf's mean;
+//                  of a bag the mean over trees; of boosting constant + learning_rate * their sum
+//   /trees         a row a tree: root (node, from 0), depth
+//   /nodes         input (from 0; -1: a leaf), threshold (a number below it goes left), level_set
+//                  (row of /level_sets that stands for a category's first level, else -1), left
+//                  (the other child is the next node; a leaf's is itself), mean
+//   /level_sets    left: 1 if the level goes left
+//   /leaf_errors   of bags, a row a node: squares and number of errors of rows out of bag
+//   /out_of_bag    of bags, a row an observation: predicted, known (0: in every bag)
+//   /held_out      of boosting: rmse with 0, 1, ... trees
 #pragma once
 
 #include <filesystem>
