@@ -10,6 +10,7 @@
 #include "repose/base/error.hpp"
 #include "repose/base/random.hpp"
 #include "repose/opt/composite.hpp"
+#include "repose/surrogate/gaussian_process_regressor.hpp"
 #include "response.hpp"
 
 namespace repose::surrogate {
@@ -141,6 +142,69 @@ bool varies(const Matrix& f) {
          (f.array() - f(0, 0)).abs().maxCoeff() > 1e-12 * std::max(1e-300, f.cwiseAbs().maxCoeff());
 }
 
+/// Of realisations of the function, one a column, at the rows of a pick-freeze design; each
+/// bootstrap takes the next of them.
+std::vector<InputSensitivity> indices_of(const Matrix& f, Eigen::Index inputs,
+                                         const SensitivityOptions& options) {
+  std::vector<InputSensitivity> result(static_cast<std::size_t>(inputs));
+  if (!varies(f)) {
+    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+    for (InputSensitivity& r : result) r = {{kNaN, kNaN, kNaN}, {kNaN, kNaN, kNaN}};
+    return result;
+  }
+  std::vector<std::vector<double>> first(result.size());
+  std::vector<std::vector<double>> total(result.size());
+  const Eigen::Index n = options.points;
+  std::vector<Eigen::Index> rows(static_cast<std::size_t>(n));
+  for (Eigen::Index j = 0; j < options.draws; ++j) {
+    RandomStream random(options.seed, static_cast<std::uint64_t>(options.draws + j));
+    for (Eigen::Index& row : rows)
+      row = static_cast<Eigen::Index>(random.below(static_cast<std::uint64_t>(n)));
+    for (Eigen::Index k = 0; k < inputs; ++k) {
+      const Shares shares = shares_of(f.col(j % f.cols()), n, k, rows);
+      first[static_cast<std::size_t>(k)].push_back(shares.first);
+      total[static_cast<std::size_t>(k)].push_back(shares.total);
+    }
+  }
+  for (std::size_t k = 0; k < result.size(); ++k)
+    result[k] = {summary(std::move(first[k])), summary(std::move(total[k]))};
+  return result;
+}
+
+void check(const SensitivityOptions& options) {
+  if (options.points < 8)
+    throw InputError(fmt::format("{} base points; there must be at least 8", options.points));
+  if (options.draws < 1)
+    throw InputError(fmt::format("{} draws; there must be at least 1", options.draws));
+}
+
+/// Points over the other inputs, and where this one is set in turn.
+struct DependenceDesign {
+  Matrix points;
+  std::vector<double> values;
+};
+
+DependenceDesign dependence_design(const std::vector<Input>& inputs, Eigen::Index input,
+                                   const PartialDependenceOptions& options) {
+  const auto d = static_cast<Eigen::Index>(inputs.size());
+  if (input < 0 || input >= d)
+    throw InputError(fmt::format("partial dependence on input {} of {}", input + 1, d));
+  if (options.points < 1 || options.grid < 2)
+    throw InputError(fmt::format("{} points and a grid of {}; at least 1 and 2 are needed",
+                                 options.points, options.grid));
+  const Input& what = inputs[static_cast<std::size_t>(input)];
+  const Eigen::Index grid =
+      what.is_categorical() ? static_cast<Eigen::Index>(what.levels.size()) : options.grid;
+  DependenceDesign design{
+      .points = natural_points(inputs, opt::scrambled_uniforms(options.points, d, options.seed))};
+  for (Eigen::Index g = 0; g < grid; ++g)
+    design.values.push_back(
+        what.is_categorical()
+            ? static_cast<double>(g)
+            : natural_value(what, static_cast<double>(g) / static_cast<double>(grid - 1)));
+  return design;
+}
+
 }  // namespace
 
 Matrix joint_sample(const GaussianProcess& model, const Matrix& x, Eigen::Index draws,
@@ -167,58 +231,31 @@ Matrix joint_sample(const GaussianProcess& model, const Matrix& x, Eigen::Index 
 
 std::vector<InputSensitivity> sobol_indices(const GaussianProcess& model,
                                             const SensitivityOptions& options) {
-  const Eigen::Index n = options.points;
-  if (n < 8) throw InputError(fmt::format("{} base points; there must be at least 8", n));
-  const Eigen::Index d = model.dimension();
-  const Matrix f = joint_sample(model, pick_freeze_design(model.inputs(), n, options.seed),
-                                options.draws, options.seed);
-  std::vector<InputSensitivity> result(static_cast<std::size_t>(d));
-  if (!varies(f)) {
-    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-    for (InputSensitivity& r : result) r = {{kNaN, kNaN, kNaN}, {kNaN, kNaN, kNaN}};
-    return result;
-  }
-  std::vector<std::vector<double>> first(static_cast<std::size_t>(d));
-  std::vector<std::vector<double>> total(static_cast<std::size_t>(d));
-  std::vector<Eigen::Index> rows(static_cast<std::size_t>(n));
-  for (Eigen::Index j = 0; j < f.cols(); ++j) {
-    RandomStream random(options.seed, static_cast<std::uint64_t>(options.draws + j));
-    for (Eigen::Index& row : rows)
-      row = static_cast<Eigen::Index>(random.below(static_cast<std::uint64_t>(n)));
-    for (Eigen::Index k = 0; k < d; ++k) {
-      const Shares shares = shares_of(f.col(j), n, k, rows);
-      first[static_cast<std::size_t>(k)].push_back(shares.first);
-      total[static_cast<std::size_t>(k)].push_back(shares.total);
-    }
-  }
-  for (std::size_t k = 0; k < result.size(); ++k)
-    result[k] = {summary(std::move(first[k])), summary(std::move(total[k]))};
-  return result;
+  check(options);
+  const Matrix f =
+      joint_sample(model, pick_freeze_design(model.inputs(), options.points, options.seed),
+                   options.draws, options.seed);
+  return indices_of(f, model.dimension(), options);
+}
+
+std::vector<InputSensitivity> sobol_indices(const Regressor& model,
+                                            const SensitivityOptions& options) {
+  if (const GaussianProcess* process = gaussian_process(model))
+    return sobol_indices(*process, options);
+  check(options);
+  const Vector f = model.predict(pick_freeze_design(model.inputs(), options.points, options.seed));
+  return indices_of(f, model.dimension(), options);
 }
 
 PartialDependence partial_dependence(const GaussianProcess& model, Eigen::Index input,
                                      const PartialDependenceOptions& options) {
   const State& s = ModelAccess::state(model);
-  if (input < 0 || input >= model.dimension())
-    throw InputError(
-        fmt::format("partial dependence on input {} of {}", input + 1, model.dimension()));
-  if (options.points < 1 || options.grid < 2)
-    throw InputError(fmt::format("{} points and a grid of {}; at least 1 and 2 are needed",
-                                 options.points, options.grid));
-  const Input& what = model.inputs()[static_cast<std::size_t>(input)];
-  const Eigen::Index grid =
-      what.is_categorical() ? static_cast<Eigen::Index>(what.levels.size()) : options.grid;
-  Matrix x = natural_points(
-      model.inputs(), opt::scrambled_uniforms(options.points, model.dimension(), options.seed));
+  auto [x, values] = dependence_design(model.inputs(), input, options);
   const auto natural = [&s](double standardised) {
     return unmodelled(s.data.response_scale, s.data.shift + s.data.scale * standardised);
   };
-  PartialDependence result;
-  for (Eigen::Index g = 0; g < grid; ++g) {
-    const double at =
-        what.is_categorical()
-            ? static_cast<double>(g)
-            : natural_value(what, static_cast<double>(g) / static_cast<double>(grid - 1));
+  PartialDependence result{.x = values};
+  for (const double at : values) {
     x.col(input).setConstant(at);
     const Posterior p(s, x);
     const double prior =
@@ -228,10 +265,22 @@ PartialDependence partial_dependence(const GaussianProcess& model, Eigen::Index 
     const double mean = p.mean.mean();
     const double half =
         kNormal95 * std::sqrt(s.amplitude * s.parameters.variance_factor * std::max(0.0, variance));
-    result.x.push_back(at);
     result.mean.push_back(natural(mean));
     result.lower.push_back(natural(mean - half));
     result.upper.push_back(natural(mean + half));
+  }
+  return result;
+}
+
+PartialDependence partial_dependence(const Regressor& model, Eigen::Index input,
+                                     const PartialDependenceOptions& options) {
+  if (const GaussianProcess* process = gaussian_process(model))
+    return partial_dependence(*process, input, options);
+  auto [x, values] = dependence_design(model.inputs(), input, options);
+  PartialDependence result{.x = values};
+  for (const double at : values) {
+    x.col(input).setConstant(at);
+    result.mean.push_back(model.predict(x).mean());
   }
   return result;
 }

@@ -11,6 +11,7 @@
 #include "repose/base/error.hpp"
 #include "repose/surrogate/gaussian_process_regressor.hpp"
 #include "repose/surrogate/model_file.hpp"
+#include "repose/surrogate/sensitivity.hpp"
 #include "repose/table/io.hpp"
 
 namespace repose::surrogate {
@@ -125,6 +126,45 @@ TEST(TrainingSet, NamesTheRowThatIsWrong) {
             std::string::npos);
   EXPECT_NE(message([](TrainingSet& d) { d.x.resize(0, 3), d.y.resize(0); }).find("no rows"),
             std::string::npos);
+}
+
+/// 3 a + 4 b^2 on the unit cube, c without effect.
+struct Additive {
+  std::vector<Input> all = std::vector<Input>(3);
+  Vector predict(const Matrix& x) const {
+    return 3.0 * x.col(0).array() + 4.0 * x.col(1).array().square();
+  }
+  const std::vector<Input>& inputs() const { return all; }
+  std::string describe() const { return "additive"; }
+};
+
+// variances 9/12 and 16 (1/5 - 1/9); the tolerance is the error of 1024 quasi-random points
+TEST(Regressor, HasTheSobolIndicesOfItsFunction) {
+  const auto indices = sobol_indices(Regressor(Additive()));
+  const double a = 9.0 / 12.0;
+  const double b = 16.0 * (1.0 / 5.0 - 1.0 / 9.0);
+  EXPECT_NEAR(indices[0].first.value, a / (a + b), 0.01);
+  EXPECT_NEAR(indices[1].total.value, b / (a + b), 0.01);
+  EXPECT_LT(indices[1].first.lower, indices[1].first.upper);
+  EXPECT_NEAR(indices[2].total.value, 0.0, 1e-12);
+}
+
+TEST(Regressor, HasPartialDependenceWithoutIntervals) {
+  const auto dependence = partial_dependence(Regressor(Additive()), 1, {.points = 1024, .grid = 3});
+  EXPECT_EQ(dependence.x, (std::vector<double>{0.0, 0.5, 1.0}));
+  EXPECT_NEAR(dependence.mean[1] - dependence.mean[0], 1.0, 1e-12);
+  EXPECT_NEAR(dependence.mean[2] - dependence.mean[0], 4.0, 1e-12);
+  EXPECT_NEAR(dependence.mean[0], 1.5, 0.01);
+  EXPECT_TRUE(dependence.lower.empty());
+}
+
+TEST(Regressor, ThatIsAGaussianProcessKeepsItsIntervals) {
+  const Regressor model = gaussian_process_trainer("gpr").fit(sample(), 1);
+  const auto direct = sobol_indices(*gaussian_process(model), {.points = 64, .draws = 20});
+  const auto indices = sobol_indices(model, {.points = 64, .draws = 20});
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(indices[k].total.upper, direct[k].total.upper);
+  EXPECT_EQ(partial_dependence(model, 0).lower,
+            partial_dependence(*gaussian_process(model), 0).lower);
 }
 
 TEST_F(RegressorFile, HoldsAGaussianProcessLikeAnyOtherModel) {

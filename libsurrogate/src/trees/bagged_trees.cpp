@@ -10,6 +10,7 @@
 #include "importance.hpp"
 #include "repose/base/error.hpp"
 #include "repose/base/thread_pool.hpp"
+#include "repose/surrogate/cross_validation.hpp"
 #include "states.hpp"
 
 namespace repose::surrogate {
@@ -44,15 +45,23 @@ class OfTreesAndRows {
 };
 using OutOfBagFlags = OfTreesAndRows<std::uint8_t>;
 
-OutOfBagFlags out_of_bag_flags(std::uint64_t seed, std::size_t number,
-                               const trees::Points& points) {
+/// The point of each row; bags hold points.
+struct Points {
+  explicit Points(const TrainingSet& data)
+      : of_row(points_of(data)),
+        number(static_cast<std::size_t>(*std::max_element(of_row.begin(), of_row.end()) + 1)) {}
+  std::vector<Eigen::Index> of_row;
+  std::size_t number;
+};
+
+OutOfBagFlags out_of_bag_flags(std::uint64_t seed, std::size_t number, const Points& points) {
   OutOfBagFlags out(number, points.of_row.size());
   std::vector<Count> times(points.number);
   for (std::size_t t = 0; t < number; ++t) {
     RandomStream random = stream_of(seed, t);
     draw_bag(random, times);
     for (std::size_t i = 0; i < points.of_row.size(); ++i)
-      out(t, i) = times[points.of_row[i]] == 0 ? 1 : 0;
+      out(t, i) = times[static_cast<std::size_t>(points.of_row[i])] == 0 ? 1 : 0;
   }
   return out;
 }
@@ -60,8 +69,8 @@ OutOfBagFlags out_of_bag_flags(std::uint64_t seed, std::size_t number,
 /// Trees first, first + stride, ...
 template <class G>
 void grow_trees(const TrainingSet& data, const trees::Columns& columns, const trees::Limits& limits,
-                const trees::Points& points, std::uint64_t seed, std::size_t first,
-                std::size_t stride, std::vector<Forest>& forests) {
+                const Points& points, std::uint64_t seed, std::size_t first, std::size_t stride,
+                std::vector<Forest>& forests) {
   G grower(columns, limits);
   const std::vector<double> weights = trees::weights_of(data);
   std::vector<Count> times(points.number);
@@ -69,14 +78,14 @@ void grow_trees(const TrainingSet& data, const trees::Columns& columns, const tr
   for (std::size_t t = first; t < forests.size(); t += stride) {
     RandomStream random = stream_of(seed, t);
     draw_bag(random, times);
-    for (std::size_t i = 0; i < count.size(); ++i) count[i] = times[points.of_row[i]];
+    for (std::size_t i = 0; i < count.size(); ++i)
+      count[i] = times[static_cast<std::size_t>(points.of_row[i])];
     grower.grow(std::span(data.y.data(), count.size()), weights, count, random);
     forests[t] = grower.forest();
   }
 }
 
-Forest grow_bag(const TrainingSet& data, const BaggedTreesOptions& options,
-                const trees::Points& points) {
+Forest grow_bag(const TrainingSet& data, const BaggedTreesOptions& options, const Points& points) {
   const trees::Columns columns(data.x, data.inputs);
   const trees::Limits limits = trees::limits_of(options.tree, columns, data.dimension());
   std::vector<Forest> forests(static_cast<std::size_t>(options.trees));
@@ -243,8 +252,10 @@ BaggedTrees BaggedTrees::fit(const TrainingSet& data, const BaggedTreesOptions& 
     throw InputError(fmt::format("{} trees in a bag; there must be at least 1", options.trees));
   trees::check_options(options.tree, data.dimension());
   if (!options.tree.predictors) options.tree.predictors = (data.dimension() + 2) / 3;
-  const trees::Points points = trees::points_of(data);
-  State state{.inputs = data.inputs, .options = options, .points = points.number};
+  const Points points(data);
+  State state{.inputs = data.inputs,
+              .options = options,
+              .points = static_cast<Eigen::Index>(points.number)};
   state.forest = grow_bag(data, options, points);
   const auto out = out_of_bag_flags(options.seed, static_cast<std::size_t>(options.trees), points);
   state.out_of_bag = judged(predict_out_of_bag(state.forest, data.x, out), data);
@@ -276,8 +287,8 @@ Predictions BaggedTrees::predict_with_variances(const Matrix& x) const {
 
 std::vector<Importance> BaggedTrees::importance(const TrainingSet& data, std::uint64_t seed) const {
   check(data);
-  const trees::Points points = trees::points_of(data);
-  if (points.number != state_->points ||
+  const Points points(data);
+  if (static_cast<Eigen::Index>(points.number) != state_->points ||
       data.dimension() != static_cast<Eigen::Index>(inputs().size()))
     throw InputError(fmt::format(
         "the importance of inputs needs the data the model was fitted to: {} points of {} inputs, "

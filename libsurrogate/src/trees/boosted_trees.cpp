@@ -9,6 +9,7 @@
 #include "growing.hpp"
 #include "repose/base/error.hpp"
 #include "repose/base/thread_pool.hpp"
+#include "repose/surrogate/cross_validation.hpp"
 #include "states.hpp"
 
 namespace repose::surrogate {
@@ -56,25 +57,6 @@ Boosting boost(const TrainingSet& data, const BoostedTreesOptions& options, std:
   return trees::with_sums_of(data, [&]<class G>(G*) { return boost<G>(data, options, seed); });
 }
 
-/// Fold of each point: as many as possible in each, at random.
-std::vector<std::size_t> folds_of(Count points, std::size_t folds, std::uint64_t seed) {
-  std::vector<std::size_t> fold(points);
-  for (std::size_t p = 0; p < fold.size(); ++p) fold[p] = p % folds;
-  RandomStream random(seed);
-  random.shuffle(fold);
-  return fold;
-}
-
-/// 1 for points that are held out, else 0.
-std::vector<std::size_t> held_out(Count points, double fraction, std::uint64_t seed) {
-  const auto number = static_cast<std::size_t>(std::lround(fraction * points));
-  std::vector<std::size_t> flag(points, 0);
-  std::fill_n(flag.begin(), std::clamp<std::size_t>(number, 1, points - 1), std::size_t{1});
-  RandomStream random(seed);
-  random.shuffle(flag);
-  return flag;
-}
-
 /// Weighted squared errors at `test` with 0, 1, ... trees fitted to `train`, added to `squares`.
 Vector squares_by_trees(const TrainingSet& train, const TrainingSet& test,
                         const BoostedTreesOptions& options, std::uint64_t seed) {
@@ -91,46 +73,23 @@ Vector squares_by_trees(const TrainingSet& train, const TrainingSet& test,
   return squares;
 }
 
-/// Rows whose point has this number, or another one.
-std::vector<Eigen::Index> rows_of(const trees::Points& points,
-                                  const std::vector<std::size_t>& part_of_point, std::size_t part,
-                                  bool inside) {
-  std::vector<Eigen::Index> rows;
-  for (std::size_t i = 0; i < points.of_row.size(); ++i)
-    if ((part_of_point[points.of_row[i]] == part) == inside)
-      rows.push_back(static_cast<Eigen::Index>(i));
-  return rows;
-}
-
 std::vector<double> held_out_curve(const TrainingSet& data, const BoostedTreesOptions& options) {
-  const trees::Points points = trees::points_of(data);
-  const bool k_fold = options.stopping == Stopping::k_fold;
-  const auto least = k_fold ? static_cast<Count>(options.folds) : Count{2};
-  if (points.number < least)
-    throw InputError(
-        fmt::format("{} points cannot be divided to stop the boosting early; {} needs {}",
-                    points.number, to_string(options.stopping), least));
-  const std::uint64_t division = derive_seed(options.seed, 0);
-  const std::size_t parts = k_fold ? static_cast<std::size_t>(options.folds) : 1;
-  const std::vector<std::size_t> part_of_point =
-      k_fold ? folds_of(points.number, parts, division)
-             : held_out(points.number, options.held_out, division);
-  std::vector<Vector> squares(parts);
-  std::vector<double> weight(parts);
-  parallel_for(parts, options.threads, [&](std::size_t part) {
-    const std::size_t out = k_fold ? part : 1;
-    const auto rows = rows_of(points, part_of_point, out, true);
-    const TrainingSet test = selected_rows(data, rows);
-    const auto others = rows_of(points, part_of_point, out, false);
-    const std::uint64_t seed = derive_seed(options.seed, part + 1);
-    squares[part] = squares_by_trees(selected_rows(data, others), test, options, seed);
-    weight[part] = test.weights.size() > 0 ? test.weights.sum() : static_cast<double>(test.rows());
+  std::vector<Fold> folds = k_folds(
+      data, {.folds = static_cast<int>(options.folds), .seed = derive_seed(options.seed, 0)});
+  if (options.stopping == Stopping::held_out) folds.resize(1);
+  std::vector<Vector> squares(folds.size());
+  std::vector<double> weight(folds.size());
+  parallel_for(folds.size(), options.threads, [&](std::size_t f) {
+    const TrainingSet test = selected_rows(data, folds[f].test);
+    const std::uint64_t seed = derive_seed(options.seed, f + 1);
+    squares[f] = squares_by_trees(selected_rows(data, folds[f].train), test, options, seed);
+    weight[f] = test.weights.size() > 0 ? test.weights.sum() : static_cast<double>(test.rows());
   });
   const double all = std::accumulate(weight.begin(), weight.end(), 0.0);
   std::vector<double> rmse;
   for (Eigen::Index m = 0; m <= options.trees; ++m) {
     double sum = 0.0;
-    for (const Vector& part : squares) sum += part[m];
+    for (const Vector& fold : squares) sum += fold[m];
     rmse.push_back(std::sqrt(sum / all));
   }
   return rmse;
@@ -143,10 +102,7 @@ void check_options(const BoostedTreesOptions& options, Eigen::Index inputs) {
   if (!(options.learning_rate > 0.0 && options.learning_rate <= 1.0))
     throw InputError(fmt::format("the learning rate is {}; it must be above 0 and at most 1",
                                  options.learning_rate));
-  if (options.stopping == Stopping::held_out && !(options.held_out > 0.0 && options.held_out < 1.0))
-    throw InputError(
-        fmt::format("the fraction held out is {}; it must be between 0 and 1", options.held_out));
-  if (options.stopping == Stopping::k_fold && options.folds < 2)
+  if (options.folds < 2)
     throw InputError(fmt::format("{} folds; there must be at least 2", options.folds));
 }
 

@@ -260,7 +260,6 @@ std::optional<ModelContent> write_boosted_trees(const Regressor& regressor) {
   content.attributes["learning_rate"] = s.options.learning_rate;
   content.attributes["trees"] = static_cast<std::int64_t>(s.options.trees);
   content.attributes["stopping"] = std::string(to_string(s.options.stopping));
-  content.attributes["held_out"] = s.options.held_out;
   content.attributes["folds"] = static_cast<std::int64_t>(s.options.folds);
   content.attributes["seed"] = static_cast<std::int64_t>(s.options.seed);
   content.attributes["constant"] = s.constant;
@@ -277,7 +276,6 @@ Regressor read_boosted_trees(const ModelReader& file, std::vector<Input> inputs)
                .learning_rate = file.get<double>("learning_rate"),
                .tree = read_tree_options(file),
                .stopping = file.choice(file.get<std::string>("stopping"), kStoppings),
-               .held_out = file.get<double>("held_out"),
                .folds = file.get<std::int64_t>("folds"),
                .seed = read_seed(file)};
   s.forest = read_forest(file, inputs);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <map>
 
 #include "repose/base/error.hpp"
 
@@ -45,21 +44,6 @@ Limits limits_of(const TreeOptions& options, const Columns& columns, Eigen::Inde
 std::vector<double> weights_of(const TrainingSet& data) {
   if (data.weights.size() > 0) return {data.weights.begin(), data.weights.end()};
   return std::vector<double>(static_cast<std::size_t>(data.rows()), 1.0);
-}
-
-Points points_of(const TrainingSet& data) {
-  Points points;
-  points.of_row.resize(static_cast<std::size_t>(data.rows()));
-  if (data.replicates.empty()) {
-    for (Count& point : points.of_row) point = points.number++;
-    return points;
-  }
-  std::map<Eigen::Index, Count> numbers;
-  for (std::size_t i = 0; i < points.of_row.size(); ++i)
-    points.of_row[i] =
-        numbers.try_emplace(data.replicates[i], static_cast<Count>(numbers.size())).first->second;
-  points.number = static_cast<Count>(numbers.size());
-  return points;
 }
 
 std::string describe(const TreeOptions& options, Eigen::Index inputs) {

@@ -17,13 +17,6 @@ Limits limits_of(const TreeOptions& options, const Columns& columns, Eigen::Inde
 /// The weights of rows, 1 where there are none.
 std::vector<double> weights_of(const TrainingSet& data);
 
-/// The number of the point that each row belongs to, from 0 in order of their first rows.
-struct Points {
-  std::vector<Count> of_row;
-  Count number = 0;
-};
-Points points_of(const TrainingSet& data);
-
 /// Calls body(Grower<S>*), a null pointer that names the type, for the sums the data need.
 template <class Body>
 auto with_sums_of(const TrainingSet& data, Body body) {

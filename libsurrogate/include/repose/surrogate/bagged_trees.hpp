@@ -32,9 +32,9 @@ struct OutOfBag {
 /// Never unfitted. Satisfies RegressorLike and HasVariances.
 class BaggedTrees {
  public:
-  /// Each bag has as many points as the data, drawn with replacement; a point is a row or, where
-  /// data.replicates says so, all rows that repeat it. Weights count in the trees. Throws
-  /// InputError as RegressionTree::fit and for no trees.
+  /// Each bag has as many points as the data, drawn with replacement: rows with all that repeat
+  /// them, see points_of(). Weights count in the trees. Throws InputError as RegressionTree::fit
+  /// and for no trees.
   static BaggedTrees fit(const TrainingSet& data, const BaggedTreesOptions& options = {});
 
   Vector predict(const Matrix& x) const;

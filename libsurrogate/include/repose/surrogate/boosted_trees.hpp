@@ -13,7 +13,7 @@ namespace repose::surrogate {
 /// How many of the trees are kept.
 enum class Stopping {
   none,      ///< all
-  held_out,  ///< as many as predict a part of the rows best ...
+  held_out,  ///< as many as predict the rows of one fold best ...
   k_fold     ///< ... or all rows, each by the folds it is not in; then all rows are fitted
 };
 const char* to_string(Stopping stopping);
@@ -23,9 +23,8 @@ struct BoostedTreesOptions {
   double learning_rate = 0.1;  ///< eta of Eq. 4.5 in [Hadi2026], in (0, 1]
   TreeOptions tree = {.maximum_splits = 10};
   Stopping stopping = Stopping::none;
-  double held_out = 0.2;   ///< fraction of the points, in (0, 1); see TrainingSet::replicates
-  Eigen::Index folds = 5;  ///< >= 2
-  std::uint64_t seed = 1;  ///< of drawn predictors and of what is held out
+  Eigen::Index folds = 5;  ///< >= 2, at most as many as points; see points_of()
+  std::uint64_t seed = 1;  ///< of drawn predictors and of folds
   unsigned threads = 1;    ///< over folds; the result does not depend on it (0: one each core)
 };
 

@@ -1,4 +1,4 @@
-// Which inputs matter: Sobol' indices and partial dependence of a Gaussian process, with how
+// Which inputs matter: Sobol' indices and partial dependence, of a Gaussian process with how
 // certain they are.
 #pragma once
 
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "repose/surrogate/gaussian_process.hpp"
+#include "repose/surrogate/regressor.hpp"
 
 namespace repose::surrogate {
 
@@ -43,6 +44,9 @@ struct InputSensitivity {
 /// All are NaN where the function does not vary.
 std::vector<InputSensitivity> sobol_indices(const GaussianProcess& model,
                                             const SensitivityOptions& options = {});
+/// Of any other model its means alone: the intervals hold the error of integration only.
+std::vector<InputSensitivity> sobol_indices(const Regressor& model,
+                                            const SensitivityOptions& options = {});
 
 /// The mean response as a function of one input, over all others. Averages are of the modelled
 /// response, brought back to natural units: where that is log y, they are geometric.
@@ -60,6 +64,9 @@ struct PartialDependenceOptions {
 };
 
 PartialDependence partial_dependence(const GaussianProcess& model, Eigen::Index input,
+                                     const PartialDependenceOptions& options = {});
+/// Of any other model the mean alone; lower and upper are empty.
+PartialDependence partial_dependence(const Regressor& model, Eigen::Index input,
                                      const PartialDependenceOptions& options = {});
 
 }  // namespace repose::surrogate

@@ -17,7 +17,7 @@ struct TrainingSet {
   /// Of each row, any number: a material, a laboratory. Empty: none known.
   std::vector<Eigen::Index> groups = {};
   /// Rows with equal number repeat one point: what resamples or divides rows keeps them together.
-  /// Empty: every row stands for itself.
+  /// Empty: rows with equal x do.
   std::vector<Eigen::Index> replicates = {};
 
   Eigen::Index rows() const { return x.rows(); }
