@@ -12,6 +12,10 @@ function(repose_test name)
   target_compile_definitions(${name} PRIVATE
     REPOSE_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data" REPOSE_BIN="${PROJECT_BINARY_DIR}/bin"
     REPOSE_SOURCE_DIR="${PROJECT_SOURCE_DIR}" ${ARG_DEFINES})
+  set(processors 1)
+  if(ARG_LABEL STREQUAL mpi)
+    set(processors 2)
+  endif()
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
-    PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT})
+    PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT} PROCESSORS ${processors})
 endfunction()

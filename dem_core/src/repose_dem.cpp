@@ -149,8 +149,8 @@ std::optional<Failure> attempt(const Options& options) {
     run(options);
     return std::nullopt;
   } catch (const repose::dem::RunStopped& stopped) {
-    const int number = stop_signal != 0 ? static_cast<int>(stop_signal) : SIGTERM;
-    return Failure{stopped.what(), 128 + number};  // as a shell reports it
+    const bool by_ctrl_c = stop_signal == SIGINT;
+    return Failure{stopped.what(), 128 + (by_ctrl_c ? SIGINT : SIGTERM)};  // as a shell reports it
   } catch (const repose::Error& error) {
     return Failure{error.what(), error.exit_code()};
   } catch (const std::exception& error) {
@@ -216,6 +216,7 @@ int main(int argc, char** argv) {
   std::signal(SIGINT, note_stop);
   std::signal(SIGTERM, note_stop);
   std::signal(SIGUSR1, note_checkpoint);
+  if (session) std::signal(repose::dem::kStopRanks, note_stop);
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error like a full disk
   const std::optional<Failure> failure = attempt(options);
   if (!failure) return 0;

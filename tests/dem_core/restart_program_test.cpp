@@ -1,54 +1,16 @@
 // The program stopped by force: killed, on a full disk, by signals.
-#include <sys/resource.h>
-#include <sys/wait.h>
-
-#include <chrono>
 #include <csignal>
-#include <thread>
 
 #include "repose/base/random.hpp"
 #include "repose/dem/checkpoint.hpp"
 #include "restart_cases.hpp"
+#include "started_program.hpp"
 
 namespace repose::dem {
 namespace {
 
 namespace fs = std::filesystem;
 using std::chrono::milliseconds;
-
-/// Starts repose-dem; no file that it writes may exceed `largest_file`, as if the disk were full.
-pid_t start(const fs::path& case_file, const fs::path& output,
-            rlim_t largest_file = RLIM_INFINITY) {
-  const std::string bin = std::string(REPOSE_BIN) + "/repose-dem";
-  const pid_t child = ::fork();
-  if (child == 0) {
-    const rlimit limit{largest_file, RLIM_INFINITY};
-    ::setrlimit(RLIMIT_FSIZE, &limit);
-    if (std::freopen("/dev/null", "w", stdout) == nullptr) ::_exit(126);
-    if (std::freopen("/dev/null", "w", stderr) == nullptr) ::_exit(126);
-    ::execl(bin.c_str(), "repose-dem", case_file.c_str(), "-o", output.c_str(), "--quiet", nullptr);
-    ::_exit(127);
-  }
-  return child;
-}
-
-/// Exit code, or minus the number of the signal that ended the child.
-int end_of(pid_t child) {
-  int status = 0;
-  ::waitpid(child, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-}
-
-bool is_running(pid_t child) {
-  siginfo_t info{};
-  return ::waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT) == 0 &&
-         info.si_pid == 0;
-}
-
-/// Until the file is there or the program has ended.
-void wait_for(const fs::path& file, pid_t child) {
-  while (!fs::exists(file) && is_running(child)) std::this_thread::sleep_for(milliseconds(1));
-}
 
 /// A second's work with a checkpoint as often as the program can.
 scene::Case many_checkpoints(const fs::path& file) {
@@ -103,7 +65,7 @@ TEST(Program, OnAFullDiskFailsAndLosesNothing) {
   const std::string good = read_file(checkpoint);
   for (const double share : {0.1, 0.5, 0.9}) {
     const auto largest = static_cast<rlim_t>(share * static_cast<double>(good.size()));
-    EXPECT_EQ(end_of(start(input, full, largest)), 6) << share;
+    EXPECT_EQ(end_of(start(input, full, {.largest_file = largest})), 6) << share;
     EXPECT_EQ(read_file(checkpoint), good) << share;
   }
   ASSERT_EQ(end_of(start(input, full)), 0);

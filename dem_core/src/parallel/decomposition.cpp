@@ -1,6 +1,7 @@
 #include "parallel/decomposition.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -144,6 +145,31 @@ int Decomposition::owner_of(const Vec3& x) const {
   while (node->axis >= 0)
     node = nodes_.data() + (x[node->axis] < node->cut ? node->below : node->above);
   return node->first_rank;
+}
+
+void Decomposition::add_ranks_within(const Vec3& x, double distance,
+                                     std::vector<int>& ranks) const {
+  struct Reached {
+    int node;
+    Vec3 away;  // from the box of the node, along each direction
+  };
+  std::vector<Reached> open{{0, Vec3::Zero()}};
+  while (!open.empty()) {
+    const Reached reached = open.back();
+    open.pop_back();
+    const Node& node = nodes_[index(reached.node)];
+    if (node.axis < 0) {
+      ranks.push_back(node.first_rank);
+      continue;
+    }
+    const double beyond = x[node.axis] - node.cut;
+    for (const int side : {node.below, node.above}) {
+      Reached next{side, reached.away};
+      const bool is_other_side = (side == node.below) != (beyond < 0.0);
+      if (is_other_side) next.away[node.axis] = std::max(next.away[node.axis], std::abs(beyond));
+      if (next.away.squaredNorm() < distance * distance) open.push_back(next);
+    }
+  }
 }
 
 Decomposition::Part Decomposition::part_of(const Box& box, int rank) const {

@@ -27,6 +27,9 @@ class Decomposition {
                 const Communicator& communicator);
 
   int owner_of(const Vec3& x) const;
+  /// Appends the ranks whose part comes closer to x than `distance`; images across periodic sides
+  /// are not looked at.
+  void add_ranks_within(const Vec3& x, double distance, std::vector<int>& ranks) const;
   /// The box of a rank: nothing beyond `box`.
   struct Part {
     Vec3 lower, upper;

@@ -37,21 +37,6 @@ std::vector<std::int64_t> costs_of(const Population& here) {
   return twice;
 }
 
-/// The bodies of this rank with their costs.
-std::vector<WeightedPoint> weighted_bodies(const Population& here) {
-  const std::vector<std::int64_t> cost = costs_of(here);
-  std::vector<WeightedPoint> points;
-  for (std::size_t i = 0; i < here.spheres.size(); ++i)
-    if (here.spheres.is_alone(i)) points.push_back({here.spheres.motion[i].x, cost[i]});
-  for (const Clump& clump : here.clumps.all) {
-    std::int64_t sum = 0;
-    for (std::int32_t m = clump.first; m < clump.first + clump.count; ++m)
-      sum += cost[index(here.clumps.members[index(m)].sphere)];
-    points.push_back({clump.x, sum});
-  }
-  return points;
-}
-
 /// The contact of a pair as the one of the smaller id sees it.
 PairContactRecord contact_record(const Neighbor& neighbor, const Population& here) {
   const Contact& contact = here.pool.at(neighbor.contact);
@@ -127,6 +112,20 @@ bool may_touch(const Box& box, double skin, const Motion& sphere, const Extent& 
 }
 
 }  // namespace
+
+std::vector<WeightedPoint> weighted_bodies(const Population& here) {
+  const std::vector<std::int64_t> cost = costs_of(here);
+  std::vector<WeightedPoint> points;
+  for (std::size_t i = 0; i < here.spheres.size(); ++i)
+    if (here.spheres.is_alone(i)) points.push_back({here.spheres.motion[i].x, cost[i]});
+  for (const Clump& clump : here.clumps.all) {
+    std::int64_t sum = 0;
+    for (std::int32_t m = clump.first; m < clump.first + clump.count; ++m)
+      sum += cost[index(here.clumps.members[index(m)].sphere)];
+    points.push_back({clump.x, sum});
+  }
+  return points;
+}
 
 void begin_contacts(const std::vector<ArrivedContact>& arrived, NeighborList& pairs,
                     ContactPool& pool) {

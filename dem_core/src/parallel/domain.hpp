@@ -48,6 +48,9 @@ struct ArrivedContact {
 void begin_contacts(const std::vector<ArrivedContact>& arrived, NeighborList& pairs,
                     ContactPool& pool);
 
+/// The bodies of this process with what they cost in a step.
+std::vector<WeightedPoint> weighted_bodies(const Population& here);
+
 /// Who simulates what. With one process there is nothing to it.
 class Domain {
  public:

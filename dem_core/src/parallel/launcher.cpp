@@ -25,10 +25,11 @@ namespace {
 volatile sig_atomic_t launcher = 0;
 volatile sig_atomic_t stopped_by = 0;
 
-/// mpirun ends its ranks at once on SIGINT; SIGTERM lets them write a checkpoint.
+/// On SIGINT and SIGTERM mpirun ends its ranks by force; others it passes on.
 void pass_on(int number) {
   if (number != SIGUSR1) stopped_by = number;
-  if (launcher != 0) ::kill(static_cast<pid_t>(launcher), number == SIGUSR1 ? SIGUSR1 : SIGTERM);
+  const int of_ranks = number == SIGUSR1 ? SIGUSR1 : kStopRanks;
+  if (launcher != 0) ::kill(static_cast<pid_t>(launcher), of_ranks);
 }
 
 /// What mpirun says between rows of dashes is kept to itself; everything else is passed on.
@@ -92,8 +93,8 @@ std::vector<std::string> command_line(int ranks, int argc, char** argv) {
                                  "--bind-to",
                                  "none",
                                  "--mca",
-                                 "odls_base_sigkill_timeout",
-                                 "600",
+                                 "mpi_yield_when_idle",
+                                 "1",
                                  "-np",
                                  std::to_string(ranks),
                                  std::filesystem::read_symlink("/proc/self/exe").string()};

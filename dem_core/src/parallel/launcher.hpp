@@ -1,7 +1,12 @@
 // Starts the program again as several processes.
 #pragma once
 
+#include <csignal>
+
 namespace repose::dem {
+
+/// What tells ranks to write a checkpoint and stop.
+inline constexpr int kStopRanks = SIGUSR2;
 
 /// Runs this program with these arguments under mpirun on `ranks` processes and waits. Signals to
 /// stop and to write a checkpoint are passed on. Returns the exit code: that of the ranks, or 5
