@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
+#include "fit_trees.hpp"
 #include "model_columns.hpp"
 #include "repose/base/error.hpp"
 #include "repose/surrogate/selection.hpp"
@@ -39,6 +40,7 @@ struct FitOptions {
   bool select = false;
   int optimise = 0;
   int starts = 5;
+  TreeFitOptions trees;
   std::uint64_t seed = 1;
 };
 
@@ -137,10 +139,33 @@ struct Fitted {
   std::size_t best_trial = 0;
 };
 
-Fitted tune(const Matrix& x, const Vector& y, const std::vector<surrogate::Input>& inputs,
-            const std::vector<std::string>& names, const GaussianProcessOptions& gp,
-            const FitOptions& options, std::vector<Eigen::Index> groups) {
+/// The rows of the table that can be fitted to.
+struct FitData {
+  table::Table table;
+  std::vector<std::string> names;  ///< of the inputs
+  surrogate::TrainingSet set;
+};
+
+FitData read_data(const FitOptions& options) {
+  FitData data{
+      usable_rows(table::read_table(table::parse_location(options.table), table::Missing::allow),
+                  options.response),
+      {},
+      {}};
+  data.names = inputs_of(data.table, options);
+  data.set.inputs = inputs_from_columns(
+      data.table, data.names, options.log_inputs,
+      named(options.coding, {surrogate::Coding::label, surrogate::Coding::one_hot,
+                             surrogate::Coding::exchangeable}));
+  data.set.x = input_matrix(data.table, data.names, data.set.inputs);
+  data.set.y = vector_of(data.table.numbers(options.response));
+  if (!options.group.empty()) data.set.groups = groups_from_column(data.table, options.group);
+  return data;
+}
+
+Fitted tune(const FitData& data, const GaussianProcessOptions& gp, const FitOptions& options) {
   ProgressDisplay display("settings tried", options.common.progress_style());
+  const auto& [x, y, inputs, weights, groups, replicates] = data.set;
   surrogate::TuningOptions tuning{.evaluations = options.optimise,
                                   .initial_points = std::min(4, options.optimise),
                                   .groups = groups,
@@ -152,32 +177,18 @@ Fitted tune(const Matrix& x, const Vector& y, const std::vector<surrogate::Input
     tuning.folds = std::min(tuning.folds, static_cast<int>(last) + 1);
   }
   auto tuned = surrogate::tune_model(x, y, inputs, gp, tuning);
-  return {{tuned.model, names, options.response},
-          {},
-          std::move(groups),
-          std::move(tuned.trials),
-          tuned.best};
+  return {
+      {tuned.model, data.names, options.response}, {}, groups, std::move(tuned.trials), tuned.best};
 }
 
-Fitted fit_model(const FitOptions& options) {
-  const auto table =
-      usable_rows(table::read_table(table::parse_location(options.table), table::Missing::allow),
-                  options.response);
-  const auto names = inputs_of(table, options);
-  const auto inputs = inputs_from_columns(
-      table, names, options.log_inputs,
-      named(options.coding, {surrogate::Coding::label, surrogate::Coding::one_hot,
-                             surrogate::Coding::exchangeable}));
-  const Matrix x = input_matrix(table, names, inputs);
-  const Vector y = vector_of(table.numbers(options.response));
-  const auto gp = model_options(options, table, names);
-  std::vector<Eigen::Index> groups;
-  if (!options.group.empty()) groups = groups_from_column(table, options.group);
-  if (options.optimise > 0) return tune(x, y, inputs, names, gp, options, std::move(groups));
+Fitted fit_model(const FitData& data, const FitOptions& options) {
+  const auto& [x, y, inputs, weights, groups, replicates] = data.set;
+  const auto gp = model_options(options, data.table, data.names);
+  if (options.optimise > 0) return tune(data, gp, options);
   if (!options.select)
-    return {{GaussianProcess::fit(x, y, inputs, gp), names, options.response}, {}, groups};
+    return {{GaussianProcess::fit(x, y, inputs, gp), data.names, options.response}, {}, groups};
   auto selection = surrogate::select_model(x, y, inputs, gp, {.groups = groups, .threads = 0});
-  return {{selection.model, names, options.response}, std::move(selection.candidates), groups};
+  return {{selection.model, data.names, options.response}, std::move(selection.candidates), groups};
 }
 
 /// What a parameter is, in words of the table.
@@ -301,7 +312,11 @@ void print_text(const Fitted& fitted, const surrogate::LeftOut& out, const std::
 }
 
 void fit(const FitOptions& options) {
-  const Fitted fitted = fit_model(options);
+  const FitData data = read_data(options);
+  if (is_tree_model(options.model))
+    return fit_tree_model(options.model, options.trees, data.set, data.names, options.response,
+                          options.seed, options.output, options.common);
+  const Fitted fitted = fit_model(data, options);
   surrogate::save_model(options.output, fitted.named);
   const auto& model = fitted.named.model;
   const auto out =
@@ -315,9 +330,9 @@ void fit(const FitOptions& options) {
 void add_model_options(CLI::App* command, FitOptions* o) {
   std::vector<std::string> kernels;
   for (const auto kernel : surrogate::all_kernels()) kernels.emplace_back(to_string(kernel));
-  command->add_option("--model", o->model, "gpr: Gaussian process regression")
+  command->add_option("--model", o->model, "gpr: a Gaussian process; or trees")
       ->capture_default_str()
-      ->check(CLI::IsMember({"gpr"}));
+      ->check(CLI::IsMember({"gpr", "tree", "bagged-trees", "boosted-trees"}));
   command
       ->add_option("--kernel", o->kernel,
                    "correlation; ard-: a scale for each input; a wrong name lists all")
@@ -381,12 +396,14 @@ void add_fit(CLI::App& app) {
       ->capture_default_str()
       ->check(CLI::IsMember({"label", "one-hot", "exchangeable"}));
   add_model_options(command, o.get());
+  add_tree_options(command, &o->trees);
   command->add_option("--starts", o->starts, "of the likelihood's search")
       ->capture_default_str()
       ->check(CLI::Range(1, 10000));
   command->add_option("--seed", o->seed)->capture_default_str();
   command->add_option("-o,--output", o->output, "model file to write")->required();
   command->callback([o, command] {
+    refuse_options_of_other_models(*command, o->model);
     if (o->optimise > 0)
       refuse_options(
           *command,

@@ -7,6 +7,7 @@
 #include "command.hpp"
 #include "model_columns.hpp"
 #include "repose/base/error.hpp"
+#include "repose/surrogate/gaussian_process_regressor.hpp"
 #include "repose/table/io.hpp"
 
 namespace repose::cli {
@@ -23,10 +24,10 @@ struct PredictOptions {
 /// Column suffix and values, in order.
 using Columns = std::vector<std::pair<std::string, table::Values>>;
 
-Columns predicted_columns(const surrogate::NamedModel& named, const Matrix& x) {
+Columns gaussian_process_columns(const surrogate::GaussianProcess& model, const Matrix& x) {
   std::vector<double> mean, sd, observation_sd;
   std::vector<std::int64_t> outside, far;
-  for (const auto& p : named.model.predictions(x)) {
+  for (const auto& p : model.predictions(x)) {
     mean.push_back(p.function.mean);
     sd.push_back(p.function.standard_deviation());
     observation_sd.push_back(std::sqrt(p.observation_variance));
@@ -40,12 +41,43 @@ Columns predicted_columns(const surrogate::NamedModel& named, const Matrix& x) {
           {"far_from_data", far}};
 }
 
+std::vector<std::int64_t> outside_range(const std::vector<surrogate::Input>& inputs,
+                                        const Matrix& x) {
+  std::vector<std::int64_t> outside(static_cast<std::size_t>(x.rows()), 0);
+  for (std::size_t k = 0; k < inputs.size(); ++k)
+    for (std::size_t i = 0; i < outside.size() && !inputs[k].is_categorical(); ++i) {
+      const double value = x(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
+      if (value < inputs[k].lower || value > inputs[k].upper) outside[i] = 1;
+    }
+  return outside;
+}
+
+/// Of the standard deviations those that the model knows.
+Columns predicted_columns(const surrogate::Regressor& model, const Matrix& x) {
+  if (const auto* process = surrogate::gaussian_process(model))
+    return gaussian_process_columns(*process, x);
+  const auto values = [](const Vector& v) { return std::vector<double>(v.begin(), v.end()); };
+  const surrogate::Predictions p = model.predict_with_variances(x);
+  Columns columns{{"predicted", values(p.mean)}};
+  if (p.function_variance.size() > 0)
+    columns.emplace_back("function_sd", values(p.function_variance.cwiseSqrt()));
+  if (p.observation_variance.size() > 0)
+    columns.emplace_back("observation_sd", values(p.observation_variance.cwiseSqrt()));
+  columns.emplace_back("outside_range", outside_range(model.inputs(), x));
+  return columns;
+}
+
 /// Derivatives of mean and standard deviation in each input, per unit of it.
-Columns gradient_columns(const surrogate::NamedModel& named, const Matrix& x) {
+Columns gradient_columns(const surrogate::NamedRegressor& named, const Matrix& x) {
+  const auto* process = surrogate::gaussian_process(named.model);
+  if (process == nullptr)
+    throw InputError(fmt::format(
+        "--gradient needs a Gaussian process; the model is {}: fit one with --model gpr",
+        named.model.describe()));
   const auto d = named.inputs.size();
   std::vector<std::vector<double>> mean(d), sd(d);
   for (Eigen::Index i = 0; i < x.rows(); ++i) {
-    const auto g = named.model.predict_gradient(x.row(i));
+    const auto g = process->predict_gradient(x.row(i));
     for (std::size_t k = 0; k < d; ++k) {
       mean[k].push_back(g.mean[static_cast<Eigen::Index>(k)]);
       sd[k].push_back(g.standard_deviation[static_cast<Eigen::Index>(k)]);
@@ -59,7 +91,7 @@ Columns gradient_columns(const surrogate::NamedModel& named, const Matrix& x) {
   return columns;
 }
 
-void print_json(const surrogate::NamedModel& named, const Columns& columns,
+void print_json(const surrogate::NamedRegressor& named, const Columns& columns,
                 const std::string& file) {
   nlohmann::json json{{"response", named.response}, {"file", file}};
   for (const auto& [suffix, values] : columns)
@@ -77,12 +109,12 @@ std::int64_t count_of(const Columns& columns, const std::string& suffix) {
 }
 
 void predict(const PredictOptions& options) {
-  const auto named = surrogate::load_model(options.model);
+  const auto named = surrogate::load_regressor(options.model);
   auto table = table::read_table(table::parse_location(options.table), table::Missing::allow);
   const Matrix x = input_matrix(table, named.inputs, named.model.inputs());
   if (!x.allFinite())
     throw InputError(fmt::format("{}: an input is missing; give every row a value", options.table));
-  Columns columns = predicted_columns(named, x);
+  Columns columns = predicted_columns(named.model, x);
   if (options.gradient)
     for (auto& column : gradient_columns(named, x)) columns.push_back(std::move(column));
   for (const auto& [suffix, values] : columns)
@@ -109,7 +141,7 @@ void add_predict(CLI::App& app) {
   command->add_option("-o,--output", o->output, "the table with predictions added (.h5 or .csv)")
       ->required();
   command->add_flag("--gradient", o->gradient,
-                    "add the derivatives of mean and standard deviation in each input");
+                    "add the derivatives of mean and standard deviation in each input (gpr)");
   command->callback([o] { predict(*o); });
 }
 

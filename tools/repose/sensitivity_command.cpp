@@ -5,6 +5,7 @@
 
 #include "command.hpp"
 #include "repose/base/error.hpp"
+#include "repose/surrogate/gaussian_process_regressor.hpp"
 #include "repose/surrogate/model_file.hpp"
 #include "repose/surrogate/sensitivity.hpp"
 #include "repose/table/io.hpp"
@@ -58,12 +59,13 @@ table::Table dependence_table(const std::vector<std::string>& inputs,
   add(table, "input", input);
   add(table, "x", x);
   add(table, "mean", mean);
+  if (lower.empty()) return table;
   add(table, "lower", lower);
   add(table, "upper", upper);
   return table;
 }
 
-void print_json(const surrogate::NamedModel& named, const Indices& indices,
+void print_json(const surrogate::NamedRegressor& named, const Indices& indices,
                 const Dependences& dependences) {
   const auto share = [](const surrogate::SobolIndex& s) {
     return nlohmann::json{{"value", s.value}, {"lower", s.lower}, {"upper", s.upper}};
@@ -80,9 +82,12 @@ void print_json(const surrogate::NamedModel& named, const Indices& indices,
   fmt::print("{}\n", nlohmann::json{{"response", named.response}, {"inputs", inputs}}.dump(2));
 }
 
-void print_text(const surrogate::NamedModel& named, const Indices& indices) {
-  fmt::print("shares of the variance of {} over the declared ranges, with 95 % intervals\n\n",
+void print_text(const surrogate::NamedRegressor& named, const Indices& indices) {
+  fmt::print("shares of the variance of {} over the declared ranges, with 95 % intervals\n",
              named.response);
+  if (surrogate::gaussian_process(named.model) == nullptr)
+    fmt::print("(of the integration alone: {})\n", named.model.describe());
+  fmt::print("\n");
   fmt::print("  {:<32} {:^24} {:^24}\n", "input", "alone", "with interactions");
   for (std::size_t k = 0; k < indices.size(); ++k) {
     const auto& [first, total] = indices[k];
@@ -93,7 +98,7 @@ void print_text(const surrogate::NamedModel& named, const Indices& indices) {
 }
 
 void sensitivity(const SensitivityCommandOptions& options) {
-  const auto named = surrogate::load_model(options.model);
+  const auto named = surrogate::load_regressor(options.model);
   const auto indices = surrogate::sobol_indices(named.model, options.sobol);
   Dependences dependences;
   for (Eigen::Index k = 0; k < named.model.dimension(); ++k)

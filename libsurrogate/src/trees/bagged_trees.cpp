@@ -87,7 +87,7 @@ void grow_trees(const TrainingSet& data, const trees::Columns& columns, const tr
 
 Forest grow_bag(const TrainingSet& data, const BaggedTreesOptions& options, const Points& points) {
   const trees::Columns columns(data.x, data.inputs);
-  const trees::Limits limits = trees::limits_of(options.tree, columns, data.dimension());
+  const trees::Limits limits = trees::limits_of(options.tree, columns);
   std::vector<Forest> forests(static_cast<std::size_t>(options.trees));
   const std::size_t parts =
       options.threads == 1 ? 1 : std::min<std::size_t>(forests.size(), 64);  // balanced
@@ -245,13 +245,11 @@ std::vector<bool> inputs_used(const Forest& forest, std::size_t tree, std::size_
 
 }  // namespace
 
-BaggedTrees BaggedTrees::fit(const TrainingSet& data, const BaggedTreesOptions& given) {
+BaggedTrees BaggedTrees::fit(const TrainingSet& data, const BaggedTreesOptions& options) {
   check(data);
-  BaggedTreesOptions options = given;
   if (options.trees < 1)
     throw InputError(fmt::format("{} trees in a bag; there must be at least 1", options.trees));
   trees::check_options(options.tree, data.dimension());
-  if (!options.tree.predictors) options.tree.predictors = (data.dimension() + 2) / 3;
   const Points points(data);
   State state{.inputs = data.inputs,
               .options = options,

@@ -33,7 +33,7 @@ double weighted_mean(const Vector& y, const std::vector<double>& weights) {
 template <class G>
 Boosting boost(const TrainingSet& data, const BoostedTreesOptions& options, std::uint64_t seed) {
   const trees::Columns columns(data.x, data.inputs);
-  G grower(columns, trees::limits_of(options.tree, columns, data.dimension()));
+  G grower(columns, trees::limits_of(options.tree, columns));
   const std::vector<double> weights = trees::weights_of(data);
   const std::vector<Count> once(weights.size(), 1);
   Boosting result{.constant = weighted_mean(data.y, weights)};  // Eq. 4.2

@@ -33,12 +33,13 @@ void check_options(const TreeOptions& options, Eigen::Index inputs) {
                     *options.predictors, inputs));
 }
 
-Limits limits_of(const TreeOptions& options, const Columns& columns, Eigen::Index predictors) {
-  return {.minimum_leaf = count_or_none(options.minimum_leaf),
-          .maximum_splits = count_or_none(options.maximum_splits),
-          .maximum_depth = count_or_none(options.maximum_depth),
-          .predictors = std::min(static_cast<std::size_t>(options.predictors.value_or(predictors)),
-                                 columns.size())};
+Limits limits_of(const TreeOptions& options, const Columns& columns) {
+  return {
+      .minimum_leaf = count_or_none(options.minimum_leaf),
+      .maximum_splits = count_or_none(options.maximum_splits),
+      .maximum_depth = count_or_none(options.maximum_depth),
+      .predictors = std::min(
+          static_cast<std::size_t>(options.predictors.value_or(columns.inputs())), columns.size())};
 }
 
 std::vector<double> weights_of(const TrainingSet& data) {

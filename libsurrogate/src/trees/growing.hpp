@@ -11,8 +11,7 @@ namespace repose::surrogate::trees {
 
 /// Throws InputError naming the option that is out of range for d inputs.
 void check_options(const TreeOptions& options, Eigen::Index inputs);
-/// `predictors` where the options leave them open.
-Limits limits_of(const TreeOptions& options, const Columns& columns, Eigen::Index predictors);
+Limits limits_of(const TreeOptions& options, const Columns& columns);
 
 /// The weights of rows, 1 where there are none.
 std::vector<double> weights_of(const TrainingSet& data);

@@ -16,7 +16,7 @@ struct RegressionTree::State {
 
 struct BaggedTrees::State {
   std::vector<Input> inputs = {};
-  BaggedTreesOptions options = {};  ///< with predictors
+  BaggedTreesOptions options = {};
   trees::Forest forest = {};
   Eigen::Index points = 0;
   OutOfBag out_of_bag = {};

@@ -27,7 +27,7 @@ RegressionTree RegressionTree::fit(const TrainingSet& data, const TreeOptions& o
   check(data);
   trees::check_options(options, data.dimension());
   const trees::Columns columns(data.x, data.inputs);
-  const trees::Limits limits = trees::limits_of(options, columns, data.dimension());
+  const trees::Limits limits = trees::limits_of(options, columns);
   State state{.inputs = data.inputs, .options = options};
   state.forest =
       trees::with_sums_of(data, [&]<class G>(G*) { return grown<G>(columns, limits, data, seed); });

@@ -14,9 +14,9 @@ namespace repose::surrogate {
 
 struct BaggedTreesOptions {
   Eigen::Index trees = 100;  ///< >= 1
-  /// Random forests as [Breiman2001] has them draw a third of the predictors for each split;
-  /// tree.predictors = d is bagging as [Breiman1996] has it.
-  TreeOptions tree = {};
+  /// Large trees of all predictors as in [Breiman1996] predict smooth functions of few rows best;
+  /// docs/methods/trees.md has figures. Random forests [Breiman2001] draw predictors.
+  TreeOptions tree = {.minimum_leaf = 1};
   std::uint64_t seed = 1;
   unsigned threads = 1;  ///< over trees; the result does not depend on it (0: one each core)
 };

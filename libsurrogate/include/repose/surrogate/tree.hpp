@@ -22,7 +22,7 @@ struct TreeOptions {
   std::optional<Eigen::Index> maximum_splits = std::nullopt;
   std::optional<Eigen::Index> maximum_depth = std::nullopt;  ///< splits above a leaf; >= 1
   /// Drawn anew for each split, 1 to d; where none of them can divide the rows, further ones.
-  /// Default: all, and of bagged trees a third, rounded up.
+  /// Default: all.
   std::optional<Eigen::Index> predictors = std::nullopt;
 };
 

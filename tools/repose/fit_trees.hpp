@@ -1,0 +1,41 @@
+// Trees and ensembles of `repose fit`: their options, and what is said of them.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "command.hpp"
+#include "repose/surrogate/model_file.hpp"
+#include "repose/surrogate/tree.hpp"
+
+namespace repose::cli {
+
+/// What is not given has the library's default.
+struct TreeFitOptions {
+  std::optional<Eigen::Index> trees;
+  std::optional<double> learning_rate;
+  std::optional<Eigen::Index> minimum_leaf;
+  std::optional<Eigen::Index> maximum_splits;
+  std::optional<Eigen::Index> maximum_depth;
+  std::optional<Eigen::Index> predictors;
+  std::string stop_early = "none";
+  Eigen::Index folds = 5;
+};
+void add_tree_options(CLI::App* command, TreeFitOptions* options);
+
+/// "tree", "bagged-trees" or "boosted-trees".
+bool is_tree_model(const std::string& model);
+/// Throws InputError for options that mean nothing for this model.
+void refuse_options_of_other_models(const CLI::App& command, const std::string& model);
+
+/// A way to fit `model` with these options.
+surrogate::Trainer tree_model_trainer(const std::string& model, const TreeFitOptions& options);
+
+/// Fits, writes `output` and prints: the error at rows out of bag, or at rows or groups (of
+/// data.groups) left out, and the importance of the inputs.
+void fit_tree_model(const std::string& model, const TreeFitOptions& options,
+                    const surrogate::TrainingSet& data, const std::vector<std::string>& names,
+                    const std::string& response, std::uint64_t seed, const std::string& output,
+                    const CommonOptions& common);
+
+}  // namespace repose::cli
