@@ -144,8 +144,8 @@ OutOfBag judged(Vector predicted, const TrainingSet& data) {
 /// The errors of rows in the leaves they fall into while out of bag.
 void add_leaf_errors(TreeAccess::State<BaggedTrees>& state, const TrainingSet& data,
                      const OutOfBagFlags& out) {
-  state.squares.assign(state.forest.nodes.size(), 0.0);
-  state.errors.assign(state.forest.nodes.size(), 0.0);
+  state.squares.assign(state.forest.size(), 0.0);
+  state.errors.assign(state.forest.size(), 0.0);
   const Vector square = (data.y - state.out_of_bag.predicted).cwiseAbs2();
   trees::for_each_leaf(
       state.forest, data.x,
@@ -204,33 +204,39 @@ Vector observation_variance(const TreeAccess::State<BaggedTrees>& state, const M
 class TreeErrors {
  public:
   TreeErrors(const Forest& forest, std::size_t tree, const Matrix& x, const Vector& y)
-      : forest_(forest), tree_(tree), y_(y), leaves_(static_cast<std::size_t>(x.rows())) {
-    trees::transpose_block(x, 0, x.rows(), block_);
+      : forest_(forest), tree_(tree), inputs_(x.cols()), y_(y) {
+    trees::fill_block(x, 0, x.rows(), block_);
   }
   double mean_square() {
-    const auto d = static_cast<Eigen::Index>(block_.size()) / y_.size();
-    trees::find_leaves(forest_, tree_, block_.data(), y_.size(), d, leaves_.data());
+    trees::find_leaves(forest_, tree_, block_, y_.size(), inputs_, leaves_);
     double sum = 0.0;
-    for (Eigen::Index i = 0; i < y_.size(); ++i)
-      sum += std::pow(
-          y_[i] - forest_.means[static_cast<std::size_t>(leaves_[static_cast<std::size_t>(i)])], 2);
+    for (Eigen::Index i = 0; i < y_.size(); ++i) {
+      const auto leaf = static_cast<std::size_t>(leaves_[static_cast<std::size_t>(i)]);
+      sum += std::pow(y_[i] - forest_.means[leaf], 2);
+    }
     return sum / static_cast<double>(y_.size());
   }
-  double mean_square_without(std::size_t input, RandomStream& random) {
-    const std::size_t d = block_.size() / leaves_.size();
+  double mean_square_without(Eigen::Index input, RandomStream& random) {
     std::vector<double> values;
-    for (std::size_t i = 0; i < leaves_.size(); ++i) values.push_back(block_[i * d + input]);
+    for (Eigen::Index i = 0; i < y_.size(); ++i) values.push_back(value(i, input));
     std::vector<double> exchanged = values;
     random.shuffle(exchanged);
-    for (std::size_t i = 0; i < leaves_.size(); ++i) block_[i * d + input] = exchanged[i];
+    for (Eigen::Index i = 0; i < y_.size(); ++i)
+      value(i, input) = exchanged[static_cast<std::size_t>(i)];
     const double result = mean_square();
-    for (std::size_t i = 0; i < leaves_.size(); ++i) block_[i * d + input] = values[i];
+    for (Eigen::Index i = 0; i < y_.size(); ++i)
+      value(i, input) = values[static_cast<std::size_t>(i)];
     return result;
   }
 
  private:
+  double& value(Eigen::Index row, Eigen::Index input) {
+    return block_[trees::in_block(row, input, inputs_)];
+  }
+
   const Forest& forest_;
   std::size_t tree_;
+  Eigen::Index inputs_;
   Vector y_;
   std::vector<double> block_;
   std::vector<std::int32_t> leaves_;
@@ -239,7 +245,7 @@ class TreeErrors {
 std::vector<bool> inputs_used(const Forest& forest, std::size_t tree, std::size_t inputs) {
   std::vector<bool> used(inputs, false);
   for (auto i = static_cast<std::size_t>(forest.trees[tree].root); i < forest.end_of(tree); ++i)
-    if (!forest.nodes[i].is_leaf()) used[static_cast<std::size_t>(forest.nodes[i].column())] = true;
+    if (!forest.node(i).is_leaf()) used[static_cast<std::size_t>(forest.node(i).input)] = true;
   return used;
 }
 
@@ -309,7 +315,7 @@ std::vector<Importance> BaggedTrees::importance(const TrainingSet& data, std::ui
       RandomStream random(seed, t * d + k);
       if (used[k])
         increase(judged_trees, static_cast<Eigen::Index>(k)) =
-            errors.mean_square_without(k, random) - before;
+            errors.mean_square_without(static_cast<Eigen::Index>(k), random) - before;
     }
     ++judged_trees;
   }

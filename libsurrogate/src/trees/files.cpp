@@ -55,12 +55,12 @@ void add_forest(const Forest& forest, ModelContent& content) {
   std::vector<std::int64_t> left;
   std::vector<std::int64_t> level_set;
   std::vector<double> threshold;
-  for (const Node& node : forest.nodes) {
-    input.push_back(node.is_leaf() ? -1 : node.column());
+  for (std::size_t i = 0; i < forest.size(); ++i) {
+    const Node node = forest.node(i);
+    input.push_back(node.is_leaf() ? -1 : node.input);
     left.push_back(node.left);
-    const bool categorical = node.is_categorical();
-    level_set.push_back(categorical ? static_cast<std::int64_t>(node.threshold) : -1);
-    threshold.push_back(node.is_leaf() || categorical ? 0.0 : node.threshold);
+    level_set.push_back(node.is_categorical ? static_cast<std::int64_t>(node.threshold) : -1);
+    threshold.push_back(node.is_leaf() || node.is_categorical ? 0.0 : node.threshold);
   }
   Table of_trees;
   add_column(of_trees, "root", root);
@@ -97,7 +97,7 @@ class ForestReader {
     const auto left = t.integers("left");
     const auto level_set = t.integers("level_set");
     const auto threshold = t.numbers("threshold");
-    forest_.nodes.resize(t.rows());
+    forest_.resize(t.rows());
     for (std::size_t i = 0; i < t.rows(); ++i)
       read_node(i, input[i], left[i], level_set[i], threshold[i]);
     check_trees();
@@ -120,35 +120,34 @@ class ForestReader {
   }
   void read_node(std::size_t i, std::int64_t input, std::int64_t left, std::int64_t level_set,
                  double threshold) {
-    file_.check(left >= 0 && left < static_cast<std::int64_t>(forest_.nodes.size()),
+    file_.check(left >= 0 && left < static_cast<std::int64_t>(forest_.size()),
                 "/nodes has a child that is not there");
-    Node& node = forest_.nodes[i];
-    node.left = static_cast<std::int32_t>(left);
+    Node node{.left = static_cast<std::int32_t>(left)};
     if (input < 0) {
       file_.check(left == static_cast<std::int64_t>(i), "a leaf of /nodes leads elsewhere");
-      return;
+      return forest_.set(i, node);
     }
     file_.check(input < static_cast<std::int64_t>(inputs_.size()),
                 "/nodes names an input that is not there");
     const Input& what = inputs_[static_cast<std::size_t>(input)];
-    node.input = static_cast<std::int32_t>(what.is_categorical() ? ~input : input);
-    node.threshold = threshold;
-    if (!what.is_categorical()) return;
-    file_.check(level_set >= 0 && static_cast<std::size_t>(level_set) + what.levels.size() <=
-                                      forest_.level_sets.size(),
+    node.input = static_cast<std::int32_t>(input);
+    node.is_categorical = what.is_categorical();
+    node.threshold = node.is_categorical ? static_cast<double>(level_set) : threshold;
+    file_.check(!node.is_categorical ||
+                    (level_set >= 0 && static_cast<std::size_t>(level_set) + what.levels.size() <=
+                                           forest_.level_sets.size()),
                 "/nodes names levels that are not there");
-    node.threshold = static_cast<double>(level_set);
-    forest_.has_categories = true;
+    forest_.set(i, node);
   }
   /// Children lie behind their parents in the same tree, and no leaf is deeper than the tree.
   void check_trees() const {
     for (std::size_t t = 0; t < forest_.trees.size(); ++t) {
       const auto begin = static_cast<std::size_t>(forest_.trees[t].root);
       const std::size_t end = forest_.end_of(t);
-      file_.check(begin < end && end <= forest_.nodes.size(), "/trees has a tree without nodes");
+      file_.check(begin < end && end <= forest_.size(), "/trees has a tree without nodes");
       std::vector<std::int32_t> depth(end - begin, 0);
       for (std::size_t i = begin; i < end; ++i) {
-        const Node& node = forest_.nodes[i];
+        const Node node = forest_.node(i);
         file_.check(depth[i - begin] <= forest_.trees[t].depth, "/trees has a tree that is deeper");
         if (node.is_leaf()) continue;
         const auto left = static_cast<std::size_t>(node.left);
@@ -235,7 +234,7 @@ Regressor read_bagged_trees(const ModelReader& file, std::vector<Input> inputs) 
   const Table errors = file.read("/leaf_errors");
   s.squares = errors.numbers("squares");
   s.errors = errors.numbers("errors");
-  file.check(errors.rows() == s.forest.nodes.size(), "/leaf_errors has not a row for each node");
+  file.check(errors.rows() == s.forest.size(), "/leaf_errors has not a row for each node");
   const Table rows = file.read("/out_of_bag");
   s.out_of_bag.predicted = vector_of(rows.numbers("predicted"));
   const auto known = rows.integers("known");

@@ -11,17 +11,19 @@
 
 namespace repose::surrogate::trees {
 
+/// Rows that walk through a tree side by side, so that none waits for the others' loads.
+inline constexpr Eigen::Index kLanes = 8;
+
 /// A row goes on to `left` if its value is below the threshold, else to left + 1; of a category, if
 /// Forest::level_sets[threshold + level] is set. A leaf leads to itself: its input is 0, its
-/// threshold infinite, so that many rows can walk in step.
+/// threshold infinite, so that rows can walk in step.
 struct Node {
   static constexpr double kLeaf = std::numeric_limits<double>::infinity();
   double threshold = kLeaf;
-  std::int32_t input = 0;  ///< ~input of a category
+  std::int32_t input = 0;
   std::int32_t left = 0;
+  bool is_categorical = false;
   bool is_leaf() const { return threshold == kLeaf; }
-  bool is_categorical() const { return input < 0; }
-  std::int32_t column() const { return input < 0 ? ~input : input; }
 };
 
 struct TreeRange {
@@ -30,15 +32,39 @@ struct TreeRange {
 };
 
 /// Nodes of all trees one after another, children after their parents.
-struct Forest {
-  std::vector<Node> nodes = {};
+class Forest {
+ public:
+  std::size_t size() const { return thresholds.size(); }  ///< nodes
+  Node node(std::size_t i) const {
+    const bool categorical = links[i].values < 0;
+    const std::int32_t values = categorical ? ~links[i].values : links[i].values;
+    return {thresholds[i], values / static_cast<std::int32_t>(kLanes), links[i].left, categorical};
+  }
+  void set(std::size_t i, const Node& node) {
+    const std::int32_t values = node.input * static_cast<std::int32_t>(kLanes);
+    thresholds[i] = node.threshold;
+    links[i] = {node.is_categorical ? ~values : values, node.left};
+    has_categories = has_categories || node.is_categorical;
+  }
+  void resize(std::size_t nodes) {
+    thresholds.resize(nodes, Node::kLeaf);
+    links.resize(nodes);
+  }
+
+  /// As a walk needs them: two 8-byte numbers a node.
+  struct Link {
+    std::int32_t values = 0;  ///< kLanes * input, its first value in a block; ~ of it: a category
+    std::int32_t left = 0;
+  };
+  std::vector<double> thresholds = {};
+  std::vector<Link> links = {};
   std::vector<double> means = {};  ///< of the rows of each node
   std::vector<TreeRange> trees = {};
   std::vector<std::uint8_t> level_sets = {};
   bool has_categories = false;
 
   std::size_t end_of(std::size_t tree) const {
-    return tree + 1 < trees.size() ? static_cast<std::size_t>(trees[tree + 1].root) : nodes.size();
+    return tree + 1 < trees.size() ? static_cast<std::size_t>(trees[tree + 1].root) : size();
   }
   /// The other's trees after these.
   void append(const Forest& other);
@@ -55,25 +81,29 @@ Matrix predictions_of_trees(const Forest& forest, const Matrix& x);
 template <class Visit>
 void for_each_leaf(const Forest& forest, const Matrix& x, Visit visit);
 
-/// Rows walked together.
+/// Rows that pass all trees before the next ones do.
 inline constexpr Eigen::Index kBlock = 128;
 
-/// Rows of a block of x one after another, as a walk reads them.
-void transpose_block(const Matrix& x, Eigen::Index first, Eigen::Index rows,
-                     std::vector<double>& block);
-/// The leaf of each of `rows` rows of a block in one tree.
-void find_leaves(const Forest& forest, std::size_t tree, const double* block, Eigen::Index rows,
-                 Eigen::Index inputs, std::int32_t* leaves);
+/// Rows of x as walks read them: kLanes rows after another, each value of all of them together;
+/// what is missing of the last ones is 0.
+void fill_block(const Matrix& x, Eigen::Index first, Eigen::Index rows, std::vector<double>& block);
+/// Where a block has a value.
+inline std::size_t in_block(Eigen::Index row, Eigen::Index input, Eigen::Index inputs) {
+  return static_cast<std::size_t>(((row / kLanes) * inputs + input) * kLanes + row % kLanes);
+}
+/// The leaf of each of `rows` rows of a block in one tree; room for as many as kLanes divides.
+void find_leaves(const Forest& forest, std::size_t tree, const std::vector<double>& block,
+                 Eigen::Index rows, Eigen::Index inputs, std::vector<std::int32_t>& leaves);
 
 template <class Visit>
 void for_each_leaf(const Forest& forest, const Matrix& x, Visit visit) {
   std::vector<double> block;
-  std::vector<std::int32_t> leaves(static_cast<std::size_t>(kBlock));
+  std::vector<std::int32_t> leaves;
   for (Eigen::Index first = 0; first < x.rows(); first += kBlock) {
     const Eigen::Index rows = std::min(kBlock, x.rows() - first);
-    transpose_block(x, first, rows, block);
+    fill_block(x, first, rows, block);
     for (std::size_t t = 0; t < forest.trees.size(); ++t) {
-      find_leaves(forest, t, block.data(), rows, x.cols(), leaves.data());
+      find_leaves(forest, t, block, rows, x.cols(), leaves);
       visit(t, first, std::span(leaves.data(), static_cast<std::size_t>(rows)));
     }
   }

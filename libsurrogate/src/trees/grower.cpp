@@ -293,26 +293,26 @@ template <class S>
 Forest Grower<S>::forest() const {
   Forest f;
   f.trees.push_back({0, static_cast<std::int32_t>(depth_)});
-  f.nodes.reserve(nodes_.size());
-  for (const Growing& node : nodes_) {
+  f.resize(nodes_.size());
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    const Growing& node = nodes_[i];
     f.means.push_back(mean(node));
-    Node n{.left = static_cast<std::int32_t>(f.nodes.size())};
+    Node n{.left = static_cast<std::int32_t>(i)};
     if (node.left > 0) {
       const std::size_t column = node.split.column;
       n.input = static_cast<std::int32_t>(columns_.input_of(column));
       n.left = static_cast<std::int32_t>(node.left);
-      if (columns_.is_binned(column) && columns_.binned()[column].categorical) {
-        n.input = ~n.input;
+      n.is_categorical = columns_.is_binned(column) && columns_.binned()[column].categorical;
+      if (n.is_categorical) {
         n.threshold = static_cast<double>(f.level_sets.size());
         const auto levels = level_sets_.begin() + static_cast<std::ptrdiff_t>(node.split.levels);
         f.level_sets.insert(f.level_sets.end(), levels, levels + columns_.binned()[column].bins);
-        f.has_categories = true;
       } else {
         n.threshold =
             columns_.threshold(columns_.input_of(column), node.split.below, node.split.above);
       }
     }
-    f.nodes.push_back(n);
+    f.set(i, n);
   }
   return f;
 }

@@ -57,13 +57,13 @@ std::string RegressionTree::describe() const {
 std::vector<TreeNode> RegressionTree::nodes() const {
   const trees::Forest& f = state_->forest;
   std::vector<TreeNode> result;
-  for (std::size_t i = 0; i < f.nodes.size(); ++i) {
-    const trees::Node& node = f.nodes[i];
+  for (std::size_t i = 0; i < f.size(); ++i) {
+    const trees::Node node = f.node(i);
     TreeNode n{.mean = f.means[i]};
     if (!node.is_leaf()) {
-      n.input = node.column();
+      n.input = node.input;
       n.left = node.left;
-      if (node.is_categorical()) {
+      if (node.is_categorical) {
         const auto set = f.level_sets.begin() + static_cast<std::ptrdiff_t>(node.threshold);
         const auto levels = inputs()[static_cast<std::size_t>(n.input)].levels.size();
         n.left_levels.assign(set, set + static_cast<std::ptrdiff_t>(levels));
@@ -77,9 +77,8 @@ std::vector<TreeNode> RegressionTree::nodes() const {
 }
 
 Eigen::Index RegressionTree::leaves() const {
-  const auto& nodes = state_->forest.nodes;
-  return std::count_if(nodes.begin(), nodes.end(),
-                       [](const trees::Node& n) { return n.is_leaf(); });
+  const auto& thresholds = state_->forest.thresholds;
+  return std::count(thresholds.begin(), thresholds.end(), trees::Node::kLeaf);
 }
 
 Eigen::Index RegressionTree::depth() const {
