@@ -1,7 +1,7 @@
 // Sums that do not depend on the order of what is added.
 #pragma once
 
-#include <cmath>
+#include <bit>
 #include <cstdint>
 #include <limits>
 
@@ -13,7 +13,7 @@ namespace repose::dem {
 /// An integer of 128 bits in units of 2^-80. What is added is cut to whole units, which depends on
 /// itself alone; the rest is integer arithmetic. So sums over any parts, in any order and on any
 /// number of processes, are the same bits. Resolution 8e-25, range 7e13; a sum
-/// beyond it, a term beyond 1e12 or one that is no number makes the sum not a number.
+/// beyond it, a term of 1.1e12 or more, or one that is no number, makes the sum not a number.
 class ExactSum {
  public:
   /// The two halves of the integer, to be stored or sent.
@@ -26,9 +26,7 @@ class ExactSum {
   explicit ExactSum(const Parts& parts)
       : units_(static_cast<Int>(parts.high) * kHigh + static_cast<Int>(parts.low)) {}
 
-  void add(double term) {
-    add_units(std::abs(term) < kLargestTerm ? static_cast<Int>(term * kUnitsOfOne) : kBroken);
-  }
+  void add(double term) { add_units(units_of(term)); }
   void add(const ExactSum& other) { add_units(other.units_); }
   double value() const {
     if (units_ == kBroken) return std::numeric_limits<double>::quiet_NaN();
@@ -41,10 +39,24 @@ class ExactSum {
  private:
   __extension__ typedef __int128 Int;
   static constexpr double kUnitsOfOne = 0x1p80;
-  static constexpr double kLargestTerm = 0x1p40;
+  static constexpr int kLargestExponent = 40;
   static constexpr Int kHigh = static_cast<Int>(1) << 64;
   static constexpr Int kMost = static_cast<Int>(1) << 126;
   static constexpr Int kBroken = -kMost * 2;
+
+  /// A double is mantissa * 2^(exponent - 1075) with an exponent of 11 bits; below 2^-1022, and
+  /// where all is shifted out, nothing is left.
+  static Int units_of(double term) {
+    const auto bits = std::bit_cast<std::uint64_t>(term);
+    const int exponent = static_cast<int>(bits >> 52 & 0x7ff);
+    if (exponent >= 1023 + kLargestExponent) return kBroken;
+    const std::uint64_t mantissa = (bits & 0xfffffffffffff) | 0x10000000000000;
+    const int shift = exponent - 1075 + 80;
+    const Int size = shift >= 0    ? static_cast<Int>(mantissa) << shift
+                     : shift > -64 ? static_cast<Int>(mantissa >> -shift)
+                                   : 0;
+    return bits >> 63 != 0 ? -size : size;
+  }
 
   void add_units(Int units) {
     if (units == kBroken || units_ == kBroken) {
