@@ -15,7 +15,7 @@ struct TuningOptions {
   int evaluations = 50;  ///< cross-validations, each of `folds` fits; >= initial_points
   int initial_points = 4;
   int folds = 5;
-  /// A group for each row; a fold takes groups whole. Empty: single rows.
+  /// A group for each row; a fold takes groups whole. Empty: rows with equal x are one.
   std::vector<Eigen::Index> groups = {};
   std::uint64_t seed = 1;
   unsigned threads = 1;  ///< over folds; the result does not depend on it
