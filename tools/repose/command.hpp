@@ -40,6 +40,8 @@ void refuse_options(const CLI::App& command, std::initializer_list<const char*> 
 const std::string& command_line();
 
 void add_calibrate(CLI::App& app);
+void add_compare(CLI::App& app);
+void add_cv(CLI::App& app);
 void add_design(CLI::App& app);
 /// Below `repose design`, one file each.
 void add_design_check(CLI::App& design);

@@ -34,6 +34,8 @@ int run(int argc, char** argv) {
   add_screen(app);
   add_variance(app);
   add_fit(app);
+  add_compare(app);
+  add_cv(app);
   add_predict(app);
   add_sensitivity(app);
   add_sample(app);
