@@ -1,30 +1,30 @@
 // Our side of bench/settings_search_peers.py: searches settings and says which it tried, what they
-// predicted and how long it took.
+// predicted and how long it took. Also writes the table that docs/validation/model_comparison.md
+// is about.
+#include <fmt/format.h>
+
 #include <chrono>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "grouped_screening.hpp"
 #include "repose/surrogate/cross_validation.hpp"
 #include "repose/surrogate/settings_search.hpp"
-#include "repose/table/io.hpp"
 
 namespace {
 
 using namespace repose;
 
-/// All columns but the last are inputs.
-surrogate::TrainingSet read(const std::string& file) {
-  const auto table = table::read_table(table::parse_location(file));
-  auto names = table.names();
-  const std::string response = names.back();
-  names.pop_back();
-  surrogate::TrainingSet data{.x = table.matrix(names), .y = {}, .inputs = {}};
-  const auto y = table.numbers(response);
-  data.y = Eigen::Map<const Vector>(y.data(), static_cast<Eigen::Index>(y.size()));
-  for (const auto& column : data.x.colwise())
-    data.inputs.push_back({.lower = column.minCoeff(), .upper = column.maxCoeff()});
-  return data;
+/// 185 rows of 18 inputs, the group and the response.
+void print_table() {
+  const auto screening = surrogate::test::grouped_screening(1);
+  const surrogate::TrainingSet& data = screening.data;
+  for (const auto& name : screening.names) fmt::print("{},", name);
+  fmt::print("configuration,segregation\n");
+  for (Eigen::Index i = 0; i < data.rows(); ++i) {
+    for (const double value : data.x.row(i)) fmt::print("{},", value);
+    fmt::print("ic{},{}\n", data.groups[static_cast<std::size_t>(i)] + 1, data.y[i]);
+  }
 }
 
 nlohmann::json searched(const surrogate::TrainingSet& data, const surrogate::ModelFamily& family,
@@ -49,15 +49,9 @@ nlohmann::json searched(const surrogate::TrainingSet& data, const surrogate::Mod
   return {{"seconds", seconds}, {"trials", trials}};
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  if (argc != 3) {
-    std::fprintf(stderr, "usage: %s TABLE.csv EVALUATIONS\n", argv[0]);
-    return 2;
-  }
-  const auto data = read(argv[1]);
-  const surrogate::SettingsSearchOptions options{.evaluations = std::stoi(argv[2]), .folds = 5};
+void print_searches(int evaluations) {
+  const surrogate::TrainingSet data = surrogate::test::grouped_screening(1).data;
+  const surrogate::SettingsSearchOptions options{.evaluations = evaluations, .folds = 5};
   std::vector<int> fold_of_row(static_cast<std::size_t>(data.rows()));
   const auto folds = surrogate::k_folds(data, {.folds = options.folds, .seed = options.seed});
   for (std::size_t f = 0; f < folds.size(); ++f)
@@ -67,5 +61,19 @@ int main(int argc, char** argv) {
       {"folds", fold_of_row},
       {"ensemble", searched(data, surrogate::ensemble_family(), options)},
       {"gpr", searched(data, surrogate::gaussian_process_family(), options)}};
-  std::printf("%s\n", result.dump(1).c_str());
+  fmt::print("{}\n", result.dump(1));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string what = argc > 1 ? argv[1] : "";
+  if (what == "table") {
+    print_table();
+  } else if (what == "search" && argc == 3) {
+    print_searches(std::stoi(argv[2]));
+  } else {
+    fmt::print(stderr, "usage: {} table | search EVALUATIONS\n", argv[0]);
+    return 2;
+  }
 }

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """The search of settings against scikit-learn over the same settings and folds, one thread each.
 
-    bench/settings_search_peers.py TABLE.csv [EVALUATIONS]
+    bench/settings_search_peers.py [EVALUATIONS]
 
-TABLE.csv: numbers, the response last. Runs build/*/bin/repose_settings_search_peers (REPOSE_BIN names another folder), then
-fits the models that it tried with scikit-learn, and prints times and errors. Our time holds the search itself too.
+Runs build/dev/bin/repose_settings_search_peers (REPOSE_BIN names another folder) on its table of 185 rows and 18 inputs,
+then fits the models that it tried with scikit-learn, and prints times and errors. Our time holds the search itself too.
 """
 import os
 
@@ -84,12 +84,13 @@ def gpr(s):
 
 
 def main():
-    table = sys.argv[1]
-    evaluations = sys.argv[2] if len(sys.argv) > 2 else '50'
-    ours = json.loads(subprocess.run([BIN / 'repose_settings_search_peers', table, evaluations], check=True,
-                                     capture_output=True, text=True).stdout)
-    data = np.loadtxt(table, delimiter=',', skiprows=1)
-    x, y = data[:, :-1], data[:, -1]
+    def said(*arguments):
+        return subprocess.run([BIN / 'repose_settings_search_peers', *arguments], check=True, capture_output=True,
+                              text=True).stdout
+    ours = json.loads(said('search', sys.argv[1] if len(sys.argv) > 1 else '50'))
+    rows = [line.split(',') for line in said('table').splitlines()[1:]]
+    x = np.array([[float(value) for value in row[:-2]] for row in rows])
+    y = np.array([float(row[-1]) for row in rows])
     folds = np.array(ours['folds'])
     for name, make in (('ensemble', ensemble), ('gpr', gpr)):
         trials = ours[name]['trials']

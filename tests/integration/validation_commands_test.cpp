@@ -134,6 +134,23 @@ TEST(CvCommand, NotesAConstantResponse) {
   }
 }
 
+TEST(FitCommand, FitsAnyModelOfTheComparison) {
+  const Workbench bench;
+  bench.write("runs.csv", runs());
+  for (const std::string model : {"stepwise-linear", "cubic-svm", "narrow-network --seed 3",
+                                  "optimisable-svm --optimise 5"}) {
+    const json fit = said(bench, std::string("fit") + kTable + "-o m.h5 --model " + model);
+    EXPECT_EQ(fit["rmse"].is_null(), model.starts_with("optimisable")) << model;
+    const json predicted = said(bench, "predict m.h5 runs.csv -o p.csv --json");
+    ASSERT_EQ(predicted["predicted"].size(), 40u) << model;
+    EXPECT_NEAR(predicted["predicted"][0], 28.0, 6.0) << model;
+  }
+  const auto refused = bench.run(
+      "repose", std::string("fit") + kTable + "-o m.h5 --model linear --kernel ard-matern52");
+  EXPECT_NE(refused.code, 0);
+  EXPECT_NE(refused.err.find("--kernel"), std::string::npos) << refused.err;
+}
+
 void expect_refusal(const Workbench& bench, const std::string& arguments,
                     const std::string& sentence) {
   const auto result = bench.run("repose", arguments);

@@ -9,6 +9,7 @@
 #include "fit_trees.hpp"
 #include "model_columns.hpp"
 #include "repose/base/error.hpp"
+#include "repose/surrogate/presets.hpp"
 #include "repose/surrogate/selection.hpp"
 #include "repose/surrogate/tuning.hpp"
 #include "repose/table/io.hpp"
@@ -311,11 +312,24 @@ void print_text(const Fitted& fitted, const surrogate::LeftOut& out, const std::
   fmt::print("\nwritten to {}\n", file);
 }
 
+/// Of any model but the Gaussian process with its options.
+surrogate::Trainer chosen_trainer(const FitOptions& options) {
+  if (is_tree_model(options.model)) return tree_model_trainer(options.model, options.trees);
+  surrogate::SettingsSearchOptions search{.threads = 0};
+  if (options.optimise > 0) {
+    search.evaluations = options.optimise;
+    search.initial_points = std::min(4, options.optimise);
+  }
+  return surrogate::preset_trainer(options.model, search);
+}
+
 void fit(const FitOptions& options) {
   const FitData data = read_data(options);
-  if (is_tree_model(options.model))
-    return fit_tree_model(options.model, options.trees, data.set, data.names, options.response,
-                          options.seed, options.output, options.common);
+  if (options.model != "gpr")
+    return fit_regressor(
+        chosen_trainer(options),
+        options.model.starts_with("optimisable-") ? Judging::none : Judging::left_out, data.set,
+        data.names, options.response, options.seed, options.output, options.common);
   const Fitted fitted = fit_model(data, options);
   surrogate::save_model(options.output, fitted.named);
   const auto& model = fitted.named.model;
@@ -330,9 +344,10 @@ void fit(const FitOptions& options) {
 void add_model_options(CLI::App* command, FitOptions* o) {
   std::vector<std::string> kernels;
   for (const auto kernel : surrogate::all_kernels()) kernels.emplace_back(to_string(kernel));
-  command->add_option("--model", o->model, "gpr: a Gaussian process; or trees")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"gpr", "tree", "bagged-trees", "boosted-trees"}));
+  command
+      ->add_option("--model", o->model,
+                   "gpr, tree, bagged-trees, boosted-trees, or a name of repose compare")
+      ->capture_default_str();
   command
       ->add_option("--kernel", o->kernel,
                    "correlation; ard-: a scale for each input; a wrong name lists all")

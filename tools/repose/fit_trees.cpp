@@ -18,7 +18,8 @@ using namespace surrogate;
 
 /// The error at rows the model has not seen, and the importance of its inputs.
 struct Judgement {
-  std::string left_out;  ///< "rows out of bag", "rows (10 folds)", "groups"
+  std::string left_out;  ///< "rows out of bag", "rows (10 folds)", "groups"; else empty, and
+  std::string unknown = "there are too few rows to leave some out";
   double rmse = std::nan("");
   double q2 = std::nan("");
   std::vector<Importance> importance = {};
@@ -61,18 +62,21 @@ std::vector<Fold> folds_of(const TrainingSet& data, std::uint64_t seed) {
   return k_folds(data, {.folds = std::min(10, number), .seed = seed});
 }
 
-Judgement judge(const Regressor& model, const Trainer& trainer, const TrainingSet& data,
-                std::uint64_t seed) {
+Judgement judge(const Regressor& model, const Trainer& trainer, Judging judging,
+                const TrainingSet& data, std::uint64_t seed) {
   Judgement result;
   const auto* bag = model.target<BaggedTrees>();
-  if (bag != nullptr && data.groups.empty()) {
-    result = {"rows out of bag", bag->out_of_bag().rmse, bag->out_of_bag().q2, {}};
+  if (judging == Judging::none) {
+    result.unknown = "repose cv tells the error at rows left out, searching without them";
+  } else if (bag != nullptr && data.groups.empty()) {
+    result.left_out = "rows out of bag";
+    result.rmse = bag->out_of_bag().rmse;
+    result.q2 = bag->out_of_bag().q2;
   } else if (const auto folds = folds_of(data, seed); !folds.empty()) {
     const Metrics m = cross_validate(data, trainer, folds, {.seed = seed, .threads = 0}).metrics;
-    result = {data.groups.empty() ? fmt::format("rows ({} folds)", folds.size()) : "groups",
-              m.rmse,
-              m.r2,
-              {}};
+    result.left_out = data.groups.empty() ? fmt::format("rows ({} folds)", folds.size()) : "groups";
+    result.rmse = m.rmse;
+    result.q2 = m.r2;
   }
   if (data.rows() < 2) return result;
   result.importance = bag != nullptr && bag->out_of_bag().rows > 1
@@ -121,7 +125,7 @@ void print_text(const NamedRegressor& named, const Judgement& judgement, Eigen::
   fmt::print("{} of {} rows and {} inputs, {:.2f} s\n{}\n\n", named.response, rows,
              named.inputs.size(), seconds, named.model.describe());
   if (judgement.left_out.empty())
-    fmt::print("  there are too few rows to leave some out\n");
+    fmt::print("  {}\n", judgement.unknown);
   else
     fmt::print("  {:<40} {:>12.4f}\n  {:<40} {:>12.5g}\n", judgement.left_out + ": Q2",
                judgement.q2, judgement.left_out + ": root mean square error", judgement.rmse);
@@ -173,13 +177,14 @@ bool is_tree_model(const std::string& model) {
 
 void refuse_options_of_other_models(const CLI::App& command, const std::string& model) {
   const std::string why = "with --model " + model;
-  if (is_tree_model(model))
-    refuse_options(
-        command,
-        {"--kernel", "--basis", "--select", "--optimise", "--noise", "--estimator", "--prior",
-         "--parameter-uncertainty", "--bound", "--response-scale", "--starts"},
-        why);
-  else
+  if (model != "gpr")
+    refuse_options(command,
+                   {"--kernel", "--basis", "--select", "--noise", "--estimator", "--prior",
+                    "--parameter-uncertainty", "--bound", "--response-scale", "--starts"},
+                   why);
+  if (model != "gpr" && !model.starts_with("optimisable-"))
+    refuse_options(command, {"--optimise"}, why);
+  if (!is_tree_model(model))
     refuse_options(
         command,
         {"--trees", "--minimum-leaf", "--maximum-splits", "--maximum-depth", "--predictors"}, why);
@@ -194,19 +199,17 @@ Trainer tree_model_trainer(const std::string& model, const TreeFitOptions& optio
   return boosted_trees_trainer(model, boosting_options(options));
 }
 
-void fit_tree_model(const std::string& model, const TreeFitOptions& options,
-                    const TrainingSet& data, const std::vector<std::string>& names,
-                    const std::string& response, std::uint64_t seed, const std::string& output,
-                    const CommonOptions& common) {
-  const Trainer trainer = tree_model_trainer(model, options);
+void fit_regressor(const Trainer& trainer, Judging judging, const TrainingSet& data,
+                   const std::vector<std::string>& names, const std::string& response,
+                   std::uint64_t seed, const std::string& output, const CommonOptions& common) {
   const auto start = std::chrono::steady_clock::now();
   const NamedRegressor fitted{trainer.fit(data, seed), names, response};
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   save_regressor(output, fitted);
-  const Judgement judgement = judge(fitted.model, trainer, data, seed);
+  const Judgement judgement = judge(fitted.model, trainer, judging, data, seed);
   if (common.json)
-    print_json(model, fitted, judgement, data.rows(), seconds, output);
+    print_json(trainer.name, fitted, judgement, data.rows(), seconds, output);
   else
     print_text(fitted, judgement, data.rows(), seconds, output);
 }

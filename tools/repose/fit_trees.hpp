@@ -1,4 +1,5 @@
-// Trees and ensembles of `repose fit`: their options, and what is said of them.
+// Models of `repose fit` other than its own Gaussian process: options of trees and ensembles, and
+// what is said of a fitted model of any kind.
 #pragma once
 
 #include <optional>
@@ -31,11 +32,16 @@ void refuse_options_of_other_models(const CLI::App& command, const std::string& 
 /// A way to fit `model` with these options.
 surrogate::Trainer tree_model_trainer(const std::string& model, const TreeFitOptions& options);
 
-/// Fits, writes `output` and prints: the error at rows out of bag, or at rows or groups (of
-/// data.groups) left out, and the importance of the inputs.
-void fit_tree_model(const std::string& model, const TreeFitOptions& options,
-                    const surrogate::TrainingSet& data, const std::vector<std::string>& names,
-                    const std::string& response, std::uint64_t seed, const std::string& output,
-                    const CommonOptions& common);
+/// How a fitted model is judged.
+enum class Judging {
+  left_out,  ///< by rows out of bag, or rows or groups (of data.groups) left out of refits
+  none       ///< refits would search for settings: that is for `repose cv`
+};
+
+/// Fits, writes `output` and prints: the error, and the importance of the inputs.
+void fit_regressor(const surrogate::Trainer& trainer, Judging judging,
+                   const surrogate::TrainingSet& data, const std::vector<std::string>& names,
+                   const std::string& response, std::uint64_t seed, const std::string& output,
+                   const CommonOptions& common);
 
 }  // namespace repose::cli
