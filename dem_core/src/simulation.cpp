@@ -180,9 +180,9 @@ std::vector<Sphere> Simulation::State::seen_spheres(const Spheres& all,
 }
 
 double Simulation::kinetic_energy_j() {
-  double energy = 0.0;
-  for (const Body& body : bodies()) energy += body.kinetic_energy_j();
-  return energy;
+  return sum_over_bodies(1, [](const Body& body, std::span<double> numbers) {
+    numbers[0] = body.kinetic_energy_j();
+  })[0];
 }
 
 std::size_t Simulation::contacts() {

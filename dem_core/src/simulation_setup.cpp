@@ -112,8 +112,9 @@ void Simulation::State::prepare() {
   kick_all(-0.5 * dt);
   walls.clear_loads();  // the forces at the start belong to no step
   wall_load_steps = 0;
-  initial_j = stored_j();
-  for (const Body& body : bodies()) initial_j += mechanical_j(body);
+  initial_j = stored_j() + sum_over_bodies(1, [this](const Body& body, std::span<double> numbers) {
+                numbers[0] = mechanical_j(body);
+              })[0];
   agree(0.0, false);
 }
 

@@ -57,7 +57,7 @@ struct Simulation::State {
   scene::EnergyRow counted;          // what came and went with bodies
   ExactVectorSum wrapped_kg_m;       // mass times the way of all that crossed a periodic side
   ExactSum wall_work_j;              // of loads already taken
-  double initial_j = 0.0;            // kinetic, potential and stored at the start; on root
+  double initial_j = 0.0;            // kinetic, potential and stored at the start
   std::int64_t spheres_present = 0;  // of all processes
   std::int32_t next_sphere = 0;      // ids
   std::int32_t next_body = 0;
@@ -119,6 +119,7 @@ struct Simulation::State {
   void count_dissipation(const ExactEnergies& now, double span);
   /// Of all processes, on root.
   std::vector<Body> bodies();
+  std::vector<double> sum_over_bodies(std::size_t count, const NumbersOfBody& numbers_of) const;
   double mechanical_j(const Body& body) const;
   void kick_all(double span);
   void let_rain_fall();

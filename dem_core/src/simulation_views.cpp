@@ -39,10 +39,12 @@ std::vector<Body> Simulation::State::bodies() {
   return bodies_of(whole.spheres, whole.clumps, scene.gravity_m_s2, 0.5 * dt);
 }
 
-std::vector<Body> bodies_of(const Spheres& all, const Clumps& clumps, const Vec3& gravity,
-                            double half) {
-  std::vector<Body> out;
-  out.reserve(all.size() - clumps.members.size() + clumps.all.size());
+namespace {
+
+/// Calls visit(body) for the bodies of this process, velocities at the present time.
+template <class Visit>
+void visit_bodies(const Spheres& all, const Clumps& clumps, const Vec3& gravity, double half,
+                  Visit visit) {
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (!all.is_alone(i)) continue;
     const Motion& m = all.motion[i];
@@ -55,7 +57,7 @@ std::vector<Body> bodies_of(const Spheres& all, const Clumps& clumps, const Vec3
     body.position = m.x;
     body.velocity = m.v + (all.load[i].force * m.inv_mass + gravity) * half;
     body.angular_velocity = all.spin[i].w + all.load[i].torque * (all.spin[i].inv_inertia * half);
-    out.push_back(body);
+    visit(body);
   }
   for (const Clump& clump : clumps.all) {
     Body body;
@@ -69,10 +71,41 @@ std::vector<Body> bodies_of(const Spheres& all, const Clumps& clumps, const Vec3
     body.velocity = clump.v + (clump.force * (1.0 / clump.mass) + gravity) * half;
     body.angular_velocity = clump.angular_velocity(clump.l + clump.torque * half);
     body.orientation_wxyz = {clump.q.w, clump.q.x, clump.q.y, clump.q.z};
-    out.push_back(body);
+    visit(body);
   }
+}
+
+}  // namespace
+
+std::vector<Body> bodies_of(const Spheres& spheres, const Clumps& clumps, const Vec3& gravity,
+                            double half_step_s) {
+  std::vector<Body> out;
+  out.reserve(spheres.size() - clumps.members.size() + clumps.all.size());
+  visit_bodies(spheres, clumps, gravity, half_step_s,
+               [&out](const Body& body) { out.push_back(body); });
   std::sort(out.begin(), out.end(), [](const Body& a, const Body& b) { return a.id < b.id; });
   return out;
+}
+
+std::vector<double> Simulation::sum_over_bodies(std::size_t count,
+                                                const NumbersOfBody& numbers_of) {
+  state_->prepare();
+  return state_->sum_over_bodies(count, numbers_of);
+}
+
+std::vector<double> Simulation::State::sum_over_bodies(std::size_t count,
+                                                       const NumbersOfBody& numbers_of) const {
+  std::vector<ExactSum> sums(count);
+  std::vector<double> numbers(count);
+  visit_bodies(spheres, clumps, scene.gravity_m_s2, 0.5 * dt, [&](const Body& body) {
+    std::fill(numbers.begin(), numbers.end(), 0.0);
+    numbers_of(body, numbers);
+    for (std::size_t k = 0; k < count; ++k) sums[k].add(numbers[k]);
+  });
+  sum_up(sums);
+  std::vector<double> totals;
+  for (const ExactSum& sum : sums) totals.push_back(sum.value());
+  return totals;
 }
 
 /// Kinetic and potential, from the origin of the coordinates.
@@ -148,12 +181,15 @@ scene::EnergyRow Simulation::energy() {
   State& s = *state_;
   scene::EnergyRow row = s.counted;
   row.time_s = time_s();
-  for (const Body& body : s.bodies()) {
-    const double translational = 0.5 * body.mass_kg * body.velocity.squaredNorm();
-    row.kinetic_translational_j += translational;
-    row.kinetic_rotational_j += body.kinetic_energy_j() - translational;
-    row.gravitational_j -= body.mass_kg * s.scene.gravity_m_s2.dot(body.position);
-  }
+  const std::vector<double> of_bodies =
+      s.sum_over_bodies(3, [&s](const Body& body, std::span<double> numbers) {
+        numbers[0] = 0.5 * body.mass_kg * body.velocity.squaredNorm();
+        numbers[1] = body.kinetic_energy_j() - numbers[0];
+        numbers[2] = -body.mass_kg * s.scene.gravity_m_s2.dot(body.position);
+      });
+  row.kinetic_translational_j = of_bodies[0];
+  row.kinetic_rotational_j = of_bodies[1];
+  row.gravitational_j = of_bodies[2];
   State::Totals totals = s.totals();
   const auto of = [&](const char* name) { return totals.at(name).value(); };
   row.gravitational_j += s.scene.gravity_m_s2.dot(

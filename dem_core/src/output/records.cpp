@@ -51,16 +51,29 @@ std::string law_text(const scene::ContactModel& model) {
 
 }  // namespace
 
-std::vector<double> region_masses(const scene::Case& scene, const std::vector<Body>& bodies) {
+BodySums body_sums(const scene::Case& scene, Simulation& sim) {
+  constexpr std::size_t kEnergy = 0, kMass = 1, kDiameter = 2, kBodies = 3, kRegions = 4;
   const std::size_t width = 1 + scene.materials.size();
-  std::vector<double> masses(scene.regions.size() * width, 0.0);
-  for (std::size_t r = 0; r < scene.regions.size(); ++r)
-    for (const Body& body : bodies) {
-      if (!scene::is_inside(scene.regions[r], body.position)) continue;
-      masses[r * width] += body.mass_kg;
-      masses[r * width + 1 + static_cast<std::size_t>(body.material)] += body.mass_kg;
-    }
-  return masses;
+  const std::vector<double> sums = sim.sum_over_bodies(
+      kRegions + scene.regions.size() * width, [&](const Body& body, std::span<double> numbers) {
+        numbers[kEnergy] = body.kinetic_energy_j();
+        numbers[kMass] = body.mass_kg;
+        numbers[kDiameter] = 2.0 * body.radius_m;
+        numbers[kBodies] = 1.0;
+        for (std::size_t r = 0; r < scene.regions.size(); ++r) {
+          if (!scene::is_inside(scene.regions[r], body.position)) continue;
+          const std::size_t first = kRegions + r * width;
+          numbers[first] = body.mass_kg;
+          numbers[first + 1 + static_cast<std::size_t>(body.material)] = body.mass_kg;
+        }
+      });
+  BodySums result;
+  result.kinetic_energy_j = sums[kEnergy];
+  result.region_mass_kg.assign(sums.begin() + kRegions, sums.end());
+  if (sums[kBodies] > 0.0)
+    result.weight_scale_j =
+        sums[kMass] * scene.gravity_m_s2.norm() * sums[kDiameter] / sums[kBodies];
+  return result;
 }
 
 scene::Snapshot snapshot_of(const scene::Case& scene, const std::string& stage, Simulation& sim) {
@@ -89,17 +102,6 @@ scene::WallRow wall_row_of(Simulation& sim) {
     row.torque_n_m.push_back(load.torque_n_m);
   }
   return row;
-}
-
-double weight_scale_j(const scene::Case& scene, const std::vector<Body>& bodies) {
-  if (bodies.empty()) return 0.0;
-  double mass = 0.0;
-  double diameters = 0.0;
-  for (const Body& body : bodies) {
-    mass += body.mass_kg;
-    diameters += 2.0 * body.radius_m;
-  }
-  return mass * scene.gravity_m_s2.norm() * diameters / static_cast<double>(bodies.size());
 }
 
 bool awaits_rain(const scene::Case& scene, const std::string& stage, const Simulation& sim) {

@@ -9,17 +9,21 @@
 
 namespace repose::dem {
 
-/// Masses in the order of scene::region_columns(); a body counts where its centre of mass is.
-std::vector<double> region_masses(const scene::Case& scene, const std::vector<Body>& bodies);
+/// What a row of the time series says of the bodies.
+struct BodySums {
+  double kinetic_energy_j = 0.0;
+  /// In the order of scene::region_columns(); a body counts where its centre of mass is.
+  std::vector<double> region_mass_kg;
+  /// What the kinetic energy of particles at rest is compared with: sum(m) g d_mean, 0 without
+  /// particles.
+  double weight_scale_j = 0.0;
+};
+BodySums body_sums(const scene::Case& scene, Simulation& sim);
 
 scene::Snapshot snapshot_of(const scene::Case& scene, const std::string& stage, Simulation& sim);
 
 /// Loads on the walls since the last reading, which this is.
 scene::WallRow wall_row_of(Simulation& sim);
-
-/// What the kinetic energy of particles at rest is compared with: sum(m) g d_mean, 0 without
-/// particles.
-double weight_scale_j(const scene::Case& scene, const std::vector<Body>& bodies);
 
 /// Whether rain of this stage or of an earlier one is still to fall.
 bool awaits_rain(const scene::Case& scene, const std::string& stage, const Simulation& sim);

@@ -306,17 +306,16 @@ class Runner {
 
   /// One row of every time series; loads on walls are of steps, so they begin after the first.
   void add_rows() {
-    const std::vector<Body> bodies = sim_->bodies();
-    now_.weight_scale_j = weight_scale_j(scene_, bodies);
+    const BodySums sums = body_sums(scene_, *sim_);
+    now_.weight_scale_j = sums.weight_scale_j;
     scene::SeriesRow& row = now_.last_row;
     row.time_s = sim_->time_s();
-    row.kinetic_energy_j = 0.0;
-    for (const Body& body : bodies) row.kinetic_energy_j += body.kinetic_energy_j();
+    row.kinetic_energy_j = sums.kinetic_energy_j;
     const LargestOverlap overlap = sim_->take_largest_overlap();
     note(overlap);
     row.max_overlap_ratio = overlap.ratio();
     row.contacts = static_cast<std::int64_t>(sim_->contacts());
-    row.region_mass_kg = region_masses(scene_, bodies);
+    row.region_mass_kg = sums.region_mass_kg;
     add_row(row);
     if (!scene_.walls.empty() && sim_->steps() > 0) add_row(wall_row_of(*sim_));
     add_row(scene::ContactRow{sim_->time_s(), sim_->contact_statistics()});

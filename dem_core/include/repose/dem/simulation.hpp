@@ -4,8 +4,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -85,8 +87,8 @@ struct SimulationOptions {
 ///
 /// Where a launcher of MPI started several processes and a ParallelSession lives, they simulate the
 /// case together. Then every function is to be called by all of them in the same order, an error is
-/// thrown by all, and bodies(), spheres(), energy() and tables of a checkpoint are complete on rank
-/// 0 and empty or meaningless elsewhere; other results are the same on all.
+/// thrown by all, and bodies(), spheres() and the tables of a checkpoint are complete on rank 0 and
+/// empty elsewhere; other results are the same on all.
 class Simulation {
  public:
   /// Takes materials, walls, domain, gravity and particles from the case, and places its fill.
@@ -126,6 +128,10 @@ class Simulation {
   std::vector<Sphere> spheres();
   /// All bodies by id, velocities at time_s().
   std::vector<Body> bodies();
+  /// Adds up, over all bodies, `count` numbers that `numbers_of` writes for each; the sums are
+  /// exact to 2^-80, so that they have the same bits in any order and on any number of processes.
+  using NumbersOfBody = std::function<void(const Body& body, std::span<double> numbers)>;
+  std::vector<double> sum_over_bodies(std::size_t count, const NumbersOfBody& numbers_of);
   /// Translational and rotational, at time_s().
   double kinetic_energy_j();
   /// The ledger of energy at time_s(). Throws InputError unless Output::energy of the case is set.
