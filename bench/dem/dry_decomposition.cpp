@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "neighbor/neighbor_lists.hpp"
@@ -21,7 +22,8 @@ using namespace repose::dem;
 struct Bed {
   Spheres spheres;
   std::vector<std::int64_t> costs;
-  Vec3 lower, upper;  ///< of what is repeated
+  std::vector<std::pair<std::size_t, std::size_t>> contacts;  ///< of spheres
+  Vec3 lower, upper;                                          ///< of what is repeated
 };
 
 /// The spheres of the case with what each costs in a step.
@@ -47,7 +49,9 @@ Bed bed_of(const repose::scene::Case& scene, double skin) {
   for (Neighbor& neighbor : lists.pairs.entries) {
     const Motion& a = bed.spheres.motion[static_cast<std::size_t>(neighbor.row)];
     const Motion& b = bed.spheres.motion[static_cast<std::size_t>(neighbor.other)];
-    if ((a.x - b.x).norm() < a.radius + b.radius) neighbor.contact = pool.begin_contact();
+    if ((a.x - b.x).norm() >= a.radius + b.radius) continue;
+    neighbor.contact = pool.begin_contact();
+    bed.contacts.emplace_back(neighbor.row, neighbor.other);
   }
   for (const WeightedPoint& body :
        weighted_bodies({bed.spheres, clumps, lists, pool, wall_contacts}))
@@ -106,10 +110,12 @@ void count(const Bed& bed, double skin, double spheres_per_rank, int ranks) {
 
   const double largest = *std::max_element(radii.begin(), radii.end());
   std::vector<std::int64_t> owned(static_cast<std::size_t>(ranks), 0), ghosts(owned), cost(owned);
+  std::vector<int> owner_of;
   std::vector<std::set<int>> neighbors(owned.size());
   std::vector<int> near;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const int owner = cut.owner_of(points[i].x);
+    owner_of.push_back(owner);
     ++owned[static_cast<std::size_t>(owner)];
     cost[static_cast<std::size_t>(owner)] += points[i].cost;
     near.clear();
@@ -120,6 +126,12 @@ void count(const Bed& bed, double skin, double spheres_per_rank, int ranks) {
         neighbors[static_cast<std::size_t>(rank)].insert(owner);
       }
   }
+  double shared = 0.0;
+  for (std::size_t tile = 0; tile < points.size(); tile += bed.spheres.size())
+    for (const auto& [i, j] : bed.contacts)
+      shared += owner_of[tile + i] != owner_of[tile + j] ? 1.0 : 0.0;
+  const double contacts =
+      static_cast<double>(bed.contacts.size() * (points.size() / bed.spheres.size()));
   std::vector<std::size_t> messages;
   for (const std::set<int>& of_rank : neighbors) messages.push_back(of_rank.size());
   const Spread o = spread_of(owned), g = spread_of(ghosts), c = spread_of(cost),
@@ -127,9 +139,9 @@ void count(const Bed& bed, double skin, double spheres_per_rank, int ranks) {
   std::printf(
       "ranks=%d spheres=%zu spheres_per_rank=%.0f most_spheres=%.0f cost_imbalance=%.4f "
       "ghosts_per_rank=%.0f most_ghosts=%.0f bytes_per_step_and_rank=%.0f most_bytes=%.0f "
-      "neighbors=%.1f most_neighbors=%.0f cut_s=%.2f\n",
+      "neighbors=%.1f most_neighbors=%.0f contacts_computed_twice=%.4f cut_s=%.2f\n",
       ranks, points.size(), o.mean, o.most, c.most / c.mean, g.mean, g.most, 72.0 * g.mean,
-      72.0 * g.most, m.mean, m.most, span.count());
+      72.0 * g.most, m.mean, m.most, shared / contacts, span.count());
 }
 
 }  // namespace

@@ -106,9 +106,11 @@ void Simulation::State::prepare() {
   skin = Skin(least_radius, options.skin_radii);
   if (!domain.is_alone()) domain.share_out(box, population());
   rebuild_lists();
-  dt = step;
   watch_speed();
   compute_forces(0.0);
+  // Only now it is known what bodies cost.
+  if (!domain.is_alone() && options.balance == Balance::by_cost) rebuild_lists();
+  dt = step;
   kick_all(-0.5 * dt);
   walls.clear_loads();  // the forces at the start belong to no step
   wall_load_steps = 0;

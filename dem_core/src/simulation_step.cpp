@@ -14,6 +14,7 @@ constexpr double kLargestWallStep = 0.25;  // of the smallest radius, in one tim
 constexpr std::int64_t kStepsBetweenRain = 50;
 constexpr std::int64_t kStepsBetweenSorts = 1000;
 constexpr std::int64_t kStepsBetweenLooks = 64;  // at speeds
+constexpr double kWorstImbalance = 1.05;         // of costs, at a sorting
 
 }  // namespace
 
@@ -30,7 +31,7 @@ void Simulation::State::rebuild_lists(Order order) {
   if (order == Order::sorted) order_by_place(box, spheres);
   if (!domain.is_alone()) {
     if (order == Order::sorted && options.balance == Balance::by_cost)
-      domain.balance(box, population());
+      domain.balance(box, population(), dt > 0.0 ? kWorstImbalance : 1.0);
     Domain::Exchanged exchanged = domain.exchange(box, skin.width(), population());
     new_index = std::move(exchanged.new_index);
     arrived = std::move(exchanged.arrived);

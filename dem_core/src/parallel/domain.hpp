@@ -71,8 +71,8 @@ class Domain {
     std::vector<ArrivedContact> arrived;
   };
   Exchanged exchange(const Box& box, double skin, Population here);
-  /// Cuts the domain anew if the costs of the ranks are too unequal.
-  void balance(const Box& box, const Population& here);
+  /// Cuts the domain anew if the most costly rank is more than `worst` times as costly as the mean.
+  void balance(const Box& box, const Population& here, double worst);
 
   void update_ghosts(Spheres& spheres) { halo_.update(communicator_, spheres); }
   void follow_order(const std::vector<std::int32_t>& new_index) { halo_.follow_order(new_index); }
