@@ -19,31 +19,17 @@ namespace {
 using trees::Count;
 using trees::Forest;
 
-/// How often each point is in a bag. The bag of a tree is drawn from the tree's own stream, so that
-/// it can be drawn again.
-void draw_bag(RandomStream& random, std::span<Count> times) {
+/// Bags and drawn predictors have streams of their own, so that a bag can be drawn again.
+void draw_bag(std::uint64_t seed, std::size_t tree, std::span<Count> times) {
+  RandomStream random(seed, tree);
   std::fill(times.begin(), times.end(), Count{0});
   for (std::size_t i = 0; i < times.size(); ++i)
     ++times[static_cast<std::size_t>(random.below(times.size()))];
 }
 
-RandomStream stream_of(std::uint64_t seed, std::size_t tree) {
-  return RandomStream(seed, tree);
+RandomStream predictor_stream(std::uint64_t seed, std::size_t tree) {
+  return RandomStream(derive_seed(seed, 0), tree);
 }
-
-/// One flag or number for each tree and row, trees one after another.
-template <class T>
-class OfTreesAndRows {
- public:
-  OfTreesAndRows(std::size_t trees, std::size_t rows) : rows_(rows), values_(trees * rows) {}
-  T& operator()(std::size_t tree, std::size_t row) { return values_[tree * rows_ + row]; }
-  T operator()(std::size_t tree, std::size_t row) const { return values_[tree * rows_ + row]; }
-
- private:
-  std::size_t rows_;
-  std::vector<T> values_;
-};
-using OutOfBagFlags = OfTreesAndRows<std::uint8_t>;
 
 /// The point of each row; bags hold points.
 struct Points {
@@ -54,38 +40,45 @@ struct Points {
   std::size_t number;
 };
 
-OutOfBagFlags out_of_bag_flags(std::uint64_t seed, std::size_t number, const Points& points) {
-  OutOfBagFlags out(number, points.of_row.size());
-  std::vector<Count> times(points.number);
-  for (std::size_t t = 0; t < number; ++t) {
-    RandomStream random = stream_of(seed, t);
-    draw_bag(random, times);
-    for (std::size_t i = 0; i < points.of_row.size(); ++i)
-      out(t, i) = times[static_cast<std::size_t>(points.of_row[i])] == 0 ? 1 : 0;
+/// How often each row is in the bag of each tree.
+class Bags {
+ public:
+  Bags(std::uint64_t seed, std::size_t trees, const Points& points)
+      : rows_(points.of_row.size()), times_(trees * rows_) {
+    std::vector<Count> of_point(points.number);
+    for (std::size_t t = 0; t < trees; ++t) {
+      draw_bag(seed, t, of_point);
+      for (std::size_t i = 0; i < rows_; ++i)
+        times_[t * rows_ + i] = of_point[static_cast<std::size_t>(points.of_row[i])];
+    }
   }
-  return out;
-}
+  std::span<const Count> of_tree(std::size_t tree) const {
+    return std::span(times_).subspan(tree * rows_, rows_);
+  }
+  bool lacks(std::size_t tree, Eigen::Index row) const {
+    return times_[tree * rows_ + static_cast<std::size_t>(row)] == 0;
+  }
+
+ private:
+  std::size_t rows_;
+  std::vector<Count> times_;
+};
 
 /// Trees first, first + stride, ...
 template <class G>
 void grow_trees(const TrainingSet& data, const trees::Columns& columns, const trees::Limits& limits,
-                const Points& points, std::uint64_t seed, std::size_t first, std::size_t stride,
+                const Bags& bags, std::uint64_t seed, std::size_t first, std::size_t stride,
                 std::vector<Forest>& forests) {
   G grower(columns, limits);
   const std::vector<double> weights = trees::weights_of(data);
-  std::vector<Count> times(points.number);
-  std::vector<Count> count(points.of_row.size());
   for (std::size_t t = first; t < forests.size(); t += stride) {
-    RandomStream random = stream_of(seed, t);
-    draw_bag(random, times);
-    for (std::size_t i = 0; i < count.size(); ++i)
-      count[i] = times[static_cast<std::size_t>(points.of_row[i])];
-    grower.grow(std::span(data.y.data(), count.size()), weights, count, random);
+    RandomStream random = predictor_stream(seed, t);
+    grower.grow(std::span(data.y.data(), weights.size()), weights, bags.of_tree(t), random);
     forests[t] = grower.forest();
   }
 }
 
-Forest grow_bag(const TrainingSet& data, const BaggedTreesOptions& options, const Points& points) {
+Forest grow_bag(const TrainingSet& data, const BaggedTreesOptions& options, const Bags& bags) {
   const trees::Columns columns(data.x, data.inputs);
   const trees::Limits limits = trees::limits_of(options.tree, columns);
   std::vector<Forest> forests(static_cast<std::size_t>(options.trees));
@@ -93,22 +86,20 @@ Forest grow_bag(const TrainingSet& data, const BaggedTreesOptions& options, cons
       options.threads == 1 ? 1 : std::min<std::size_t>(forests.size(), 64);  // balanced
   parallel_for(parts, options.threads, [&](std::size_t part) {
     trees::with_sums_of(data, [&]<class G>(G*) {
-      grow_trees<G>(data, columns, limits, points, options.seed, part, parts, forests);
+      grow_trees<G>(data, columns, limits, bags, options.seed, part, parts, forests);
     });
   });
-  Forest bag;
-  for (const Forest& tree : forests) bag.append(tree);
-  return bag;
+  return Forest(forests);
 }
 
 /// Means of the trees whose bag a row is not in; NaN where there is none.
-Vector predict_out_of_bag(const Forest& forest, const Matrix& x, const OutOfBagFlags& out) {
+Vector predict_out_of_bag(const Forest& forest, const Matrix& x, const Bags& bags) {
   Vector sum = Vector::Zero(x.rows());
   Vector number = Vector::Zero(x.rows());
   trees::for_each_leaf(
       forest, x, [&](std::size_t t, Eigen::Index first, std::span<const std::int32_t> leaves) {
         for (const std::int32_t leaf : leaves) {
-          const double flag = out(t, static_cast<std::size_t>(first));
+          const double flag = bags.lacks(t, first) ? 1.0 : 0.0;
           sum[first] += flag * forest.means[static_cast<std::size_t>(leaf)];
           number[first++] += flag;
         }
@@ -143,7 +134,7 @@ OutOfBag judged(Vector predicted, const TrainingSet& data) {
 
 /// The errors of rows in the leaves they fall into while out of bag.
 void add_leaf_errors(TreeAccess::State<BaggedTrees>& state, const TrainingSet& data,
-                     const OutOfBagFlags& out) {
+                     const Bags& bags) {
   state.squares.assign(state.forest.size(), 0.0);
   state.errors.assign(state.forest.size(), 0.0);
   const Vector square = (data.y - state.out_of_bag.predicted).cwiseAbs2();
@@ -152,7 +143,7 @@ void add_leaf_errors(TreeAccess::State<BaggedTrees>& state, const TrainingSet& d
       [&](std::size_t t, Eigen::Index first, std::span<const std::int32_t> leaves) {
         for (const std::int32_t leaf : leaves) {
           const Eigen::Index i = first++;
-          if (out(t, static_cast<std::size_t>(i)) == 0) continue;
+          if (!bags.lacks(t, i)) continue;
           state.squares[static_cast<std::size_t>(leaf)] += square[i];
           state.errors[static_cast<std::size_t>(leaf)] += 1.0;
         }
@@ -164,8 +155,7 @@ Matrix bag_matrix(std::uint64_t seed, Eigen::Index points, Eigen::Index number) 
   Matrix bags(points, number);
   std::vector<Count> times(static_cast<std::size_t>(points));
   for (Eigen::Index t = 0; t < number; ++t) {
-    RandomStream random = stream_of(seed, static_cast<std::size_t>(t));
-    draw_bag(random, times);
+    draw_bag(seed, static_cast<std::size_t>(t), times);
     for (Eigen::Index p = 0; p < points; ++p)
       bags(p, t) = static_cast<double>(times[static_cast<std::size_t>(p)]) - 1.0;
   }
@@ -260,10 +250,10 @@ BaggedTrees BaggedTrees::fit(const TrainingSet& data, const BaggedTreesOptions& 
   State state{.inputs = data.inputs,
               .options = options,
               .points = static_cast<Eigen::Index>(points.number)};
-  state.forest = grow_bag(data, options, points);
-  const auto out = out_of_bag_flags(options.seed, static_cast<std::size_t>(options.trees), points);
-  state.out_of_bag = judged(predict_out_of_bag(state.forest, data.x, out), data);
-  add_leaf_errors(state, data, out);
+  const Bags bags(options.seed, static_cast<std::size_t>(options.trees), points);
+  state.forest = grow_bag(data, options, bags);
+  state.out_of_bag = judged(predict_out_of_bag(state.forest, data.x, bags), data);
+  add_leaf_errors(state, data, bags);
   return TreeAccess::make<BaggedTrees>(std::move(state));
 }
 
@@ -299,14 +289,14 @@ std::vector<Importance> BaggedTrees::importance(const TrainingSet& data, std::ui
         "not {} of {}",
         state_->points, inputs().size(), points.number, data.dimension()));
   const auto number = state_->forest.trees.size();
-  const auto out = out_of_bag_flags(state_->options.seed, number, points);
+  const Bags bags(state_->options.seed, number, points);
   const auto d = static_cast<std::size_t>(data.dimension());
   Matrix increase = Matrix::Zero(static_cast<Eigen::Index>(number), data.dimension());
   Eigen::Index judged_trees = 0;
   for (std::size_t t = 0; t < number; ++t) {
     std::vector<Eigen::Index> rows;
-    for (std::size_t i = 0; i < points.of_row.size(); ++i)
-      if (out(t, i) != 0) rows.push_back(static_cast<Eigen::Index>(i));
+    for (Eigen::Index i = 0; i < data.rows(); ++i)
+      if (bags.lacks(t, i)) rows.push_back(i);
     if (rows.size() < 2) continue;
     TreeErrors errors(state_->forest, t, data.x(rows, Eigen::all), data.y(rows));
     const double before = errors.mean_square();

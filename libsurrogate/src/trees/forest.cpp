@@ -41,6 +41,15 @@ std::int32_t walk(const Forest& forest, std::int32_t root, const double* values)
 
 }  // namespace
 
+Forest::Forest(const std::vector<Forest>& parts) {
+  std::size_t nodes = 0;
+  for (const Forest& part : parts) nodes += part.size();
+  thresholds.reserve(nodes);
+  links.reserve(nodes);
+  means.reserve(nodes);
+  for (const Forest& part : parts) append(part);
+}
+
 void Forest::append(const Forest& other) {
   const std::size_t before = size();
   const auto shift = static_cast<std::int32_t>(before);

@@ -34,6 +34,8 @@ struct TreeRange {
 /// Nodes of all trees one after another, children after their parents.
 class Forest {
  public:
+  Forest() = default;
+  explicit Forest(const std::vector<Forest>& parts);
   std::size_t size() const { return thresholds.size(); }  ///< nodes
   Node node(std::size_t i) const {
     const bool categorical = links[i].values < 0;

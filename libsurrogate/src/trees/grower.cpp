@@ -79,9 +79,13 @@ void Grower<S>::start(std::span<const double> response, std::span<const double> 
     if constexpr (std::is_same_v<S, Sums>) of_row_[i].count = count[i];
   }
   for (std::size_t s = 0; s < sorted_.size(); ++s) {
-    sorted_[s].clear();
-    for (const Count i : columns_.sorted()[s].order)
-      if (count[i] > 0) sorted_[s].push_back(i);
+    std::size_t kept = 0;  // without a branch that half of the rows would mispredict
+    sorted_[s].resize(columns_.rows());
+    for (const Count i : columns_.sorted()[s].order) {
+      sorted_[s][kept] = i;
+      kept += count[i] > 0 ? 1 : 0;
+    }
+    sorted_[s].resize(kept);
   }
   draw_ = columns_.in_order();
   level_sets_.clear();
@@ -153,6 +157,7 @@ typename Grower<S>::Split Grower<S>::find_split(const Growing& node, RandomStrea
 
 template <class S>
 void Grower<S>::search(const Growing& node, std::span<const std::size_t> columns, Split& best) {
+  if (node.end - node.begin == 2) return search_pair(node, columns, best);
   fill_bins(node, columns);
   for (const std::size_t column : columns) {
     if (!columns_.is_binned(column))
@@ -161,6 +166,33 @@ void Grower<S>::search(const Growing& node, std::span<const std::size_t> columns
       search_category(node.sums, column, best);
     else
       search_number(node.sums, column, best);
+  }
+}
+
+/// Two rows can be parted in one way: the first column that can wins. A large tree has many such
+/// nodes.
+template <class S>
+void Grower<S>::search_pair(const Growing& node, std::span<const std::size_t> columns,
+                            Split& best) {
+  const S& a = of_row_[rows_[node.begin]];
+  const S& b = of_row_[rows_[node.begin + 1]];
+  const double gain = gain_of(a, node.sums);
+  if (std::min(a.rows(), b.rows()) < limits_.minimum_leaf || !is_better(gain, best.gain)) return;
+  for (const std::size_t column : columns) {
+    const double* x = columns_.values(columns_.input_of(column));
+    const double xa = x[rows_[node.begin]];
+    const double xb = x[rows_[node.begin + 1]];
+    if (xa == xb) continue;
+    best = {.gain = gain, .column = column, .below = std::min(xa, xb), .above = std::max(xa, xb)};
+    if (!columns_.is_binned(column) || !columns_.binned()[column].categorical) return;
+    const bool a_left = a.response / a.weight <= b.response / b.weight;
+    const S& left = a_left ? a : b;
+    const bool absent_left = 2.0 * left.weight >= node.sums.weight;
+    std::fill_n(left_levels_.begin(), columns_.binned()[column].bins,
+                static_cast<std::uint8_t>(absent_left ? 1 : 0));
+    left_levels_[static_cast<std::size_t>(xa)] = a_left ? 1 : 0;
+    left_levels_[static_cast<std::size_t>(xb)] = a_left ? 0 : 1;
+    return;
   }
 }
 
@@ -190,23 +222,31 @@ void Grower<S>::fill_bins(const Growing& node, std::span<const std::size_t> colu
   }
 }
 
+/// An empty bin repeats the division before it, which is then no better. What is not allowed (0
+/// times a gain, or times NaN or infinity where a side is empty) is never better: one branch that
+/// is rarely taken instead of three that are hard to predict.
 template <class S>
 void Grower<S>::search_number(const S& total, std::size_t column, Split& best) const {
   const BinnedColumn& c = columns_.binned()[column];
   const S* bins = bins_.data() + c.first_bin;
   const double least = limits_.minimum_leaf;
   S left{};
-  Count previous = c.bins;
-  double gain = 0.0;  // of a division after `previous`, where that is allowed
-  for (Count b = 0; b < c.bins; ++b) {
-    if (bins[b].rows() == 0.0) continue;
-    if (gain > 0.0 && is_better(gain, best.gain))
-      best = {.gain = gain, .column = column, .below = c.values[previous], .above = c.values[b]};
+  for (Count b = 0; b + 1 < c.bins; ++b) {
     left += bins[b];
-    previous = b;
-    const bool allowed = left.rows() >= least && total.rows() - left.rows() >= least;
-    gain = allowed ? gain_of(left, total) : 0.0;
+    const int allowed = (left.rows() >= least) & (total.rows() - left.rows() >= least);
+    const double gain = allowed * gain_of(left, total);
+    if (is_better(gain, best.gain)) best = division_after(c, b, column, gain);
   }
+}
+
+template <class S>
+typename Grower<S>::Split Grower<S>::division_after(const BinnedColumn& c, Count bin,
+                                                    std::size_t column, double gain) const {
+  const S* bins = bins_.data() + c.first_bin;
+  Count above = bin + 1;
+  while (bins[bin].rows() == 0.0) --bin;
+  while (bins[above].rows() == 0.0) ++above;
+  return {.gain = gain, .column = column, .below = c.values[bin], .above = c.values[above]};
 }
 
 /// Levels in order of their means: dividing these is best among all divisions [Fisher1958].
@@ -294,6 +334,7 @@ Forest Grower<S>::forest() const {
   Forest f;
   f.trees.push_back({0, static_cast<std::int32_t>(depth_)});
   f.resize(nodes_.size());
+  f.means.reserve(nodes_.size());
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     const Growing& node = nodes_[i];
     f.means.push_back(mean(node));

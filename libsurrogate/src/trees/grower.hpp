@@ -86,8 +86,10 @@ class Grower {
   bool may_split(const Growing& node) const;
   Split find_split(const Growing& node, RandomStream& random);
   void search(const Growing& node, std::span<const std::size_t> columns, Split& best);
+  void search_pair(const Growing& node, std::span<const std::size_t> columns, Split& best);
   void fill_bins(const Growing& node, std::span<const std::size_t> columns);
   void search_number(const S& total, std::size_t column, Split& best) const;
+  Split division_after(const BinnedColumn& c, Count bin, std::size_t column, double gain) const;
   void search_category(const S& total, std::size_t column, Split& best);
   void search_sorted(const Growing& node, std::size_t column, Split& best) const;
   void keep_largest(std::size_t first, Count kept);
