@@ -40,7 +40,7 @@
 //                  /parameters: network1 ... (W by columns, b, layer by layer); /training
 //
 // "tree", "bagged-trees", "boosted-trees", version 1:
-//   /              attributes: minimum_leaf, maximum_splits, maximum_depth, predictors (0: no limit);
+//   /              minimum_leaf, maximum_splits, maximum_depth, predictors (0: no limit);
 //                  of ensembles seed; of bags points, out_of_bag_rows, _rmse, _q2; of boosting
 //                  constant, learning_rate and how it was stopped. A prediction is the leaf's mean;
 //                  of a bag the mean over trees; of boosting constant + learning_rate * their sum
