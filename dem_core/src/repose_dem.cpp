@@ -109,6 +109,11 @@ void print_text(const repose::scene::RunSummary& s, const std::string& output) {
 }
 
 void run(const Options& options) {
+  const int started = repose::dem::Communicator::of_launcher().size();
+  if (options.ranks > 1 && options.ranks != started)
+    throw repose::UsageError(
+        fmt::format("--ranks {}, but the launcher of MPI started {}; leave --ranks out",
+                    options.ranks, started));
   repose::scene::Case scene = repose::scene::read_case(options.case_file);
   if (options.seed) scene.seed = *options.seed;
   repose::ProgressDisplay display("repose-dem", options.quiet || !is_root()
@@ -159,12 +164,9 @@ std::optional<Failure> attempt(const Options& options) {
   }
 }
 
-/// Longer than ranks that go on together can be apart.
-constexpr double kPatience_s = 5.0;
-
 /// What fails on all ranks is said once; what fails on one ends all.
 int report(const Failure& failure, const repose::dem::ParallelSession* session) {
-  const bool all_know = session == nullptr || session->all_failed(kPatience_s);
+  const bool all_know = session == nullptr || session->all_failed();
   if (!all_know) {
     fmt::print(stderr, "repose-dem: rank {}: {}\n", repose::dem::Communicator::of_launcher().rank(),
                failure.message);
@@ -177,8 +179,15 @@ int report(const Failure& failure, const repose::dem::ParallelSession* session) 
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::signal(SIGINT, note_stop);
+  std::signal(SIGTERM, note_stop);
+  std::signal(SIGUSR1, note_checkpoint);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error like a full disk
   std::optional<repose::dem::ParallelSession> session;
-  if (repose::dem::was_launched_in_parallel()) session.emplace(&argc, &argv);
+  if (repose::dem::was_launched_in_parallel()) {
+    std::signal(repose::dem::kStopRanks, note_stop);
+    session.emplace(&argc, &argv);
+  }
   CLI::App app(
       "Runs a discrete element simulation: spheres and clumps between walls, from a case file.",
       "repose-dem");
@@ -189,7 +198,7 @@ int main(int argc, char** argv) {
       ->required();
   app.add_option("--seed", options.seed, "Replaces run.seed of the case");
   app.add_option("-n,--ranks", options.ranks, "Processes that simulate together")
-      ->check(CLI::Range(1, 100000))
+      ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   app.add_option("--balance", options.balance,
                  "When the domain is cut anew among processes; changes no bit of the result")
@@ -213,11 +222,6 @@ int main(int argc, char** argv) {
       return error.exit_code();
     }
   }
-  std::signal(SIGINT, note_stop);
-  std::signal(SIGTERM, note_stop);
-  std::signal(SIGUSR1, note_checkpoint);
-  if (session) std::signal(repose::dem::kStopRanks, note_stop);
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error like a full disk
   const std::optional<Failure> failure = attempt(options);
   if (!failure) return 0;
   return report(*failure, session ? &*session : nullptr);

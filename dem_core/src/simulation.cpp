@@ -102,6 +102,9 @@ double Simulation::time_s() const {
 std::size_t Simulation::size() const {
   return static_cast<std::size_t>(state_->spheres_present);
 }
+std::int64_t Simulation::cuts() const {
+  return state_->domain.cuts();
+}
 std::int64_t Simulation::rebuilds() const {
   return state_->rebuilds;
 }
@@ -199,10 +202,16 @@ std::size_t Simulation::contacts() {
 
 LargestOverlap Simulation::take_largest_overlap() {
   state_->prepare();
+  const LargestOverlap largest = state_->largest_overlap_of_all();
+  state_->largest_overlap = {};
+  return largest;
+}
+
+LargestOverlap Simulation::State::largest_overlap_of_all() const {
   Packer mine;
-  mine.put(std::exchange(state_->largest_overlap, LargestOverlap{}));
+  mine.put(largest_overlap);
   LargestOverlap largest;
-  for (const Bytes& bytes : state_->domain.communicator().gather_to_all(mine.take())) {
+  for (const Bytes& bytes : domain.communicator().gather_to_all(mine.take())) {
     const auto one = Unpacker(bytes).get<LargestOverlap>();
     if (one.ratio() > largest.ratio()) largest = one;
   }

@@ -112,6 +112,7 @@ void Simulation::State::prepare() {
   if (!domain.is_alone() && options.balance == Balance::by_cost) rebuild_lists();
   dt = step;
   kick_all(-0.5 * dt);
+  domain.update_ghosts(spheres);
   walls.clear_loads();  // the forces at the start belong to no step
   wall_load_steps = 0;
   initial_j = stored_j() + sum_over_bodies(1, [this](const Body& body, std::span<double> numbers) {

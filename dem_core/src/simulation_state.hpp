@@ -105,8 +105,14 @@ struct Simulation::State {
   Totals totals();
   /// What contacts of all processes store now.
   double stored_j();
-  void sum_up(std::span<std::int64_t> values) const { domain.communicator().add_up(values); }
-  void sum_up(std::span<ExactSum> values) const { domain.communicator().add_up(values); }
+  LargestOverlap largest_overlap_of_all() const;
+  /// Over all processes; before the first step all of them hold all.
+  void sum_up(std::span<std::int64_t> values) const {
+    if (dt > 0.0) domain.communicator().add_up(values);
+  }
+  void sum_up(std::span<ExactSum> values) const {
+    if (dt > 0.0) domain.communicator().add_up(values);
+  }
   std::vector<Sphere> seen_spheres(const Spheres& all, const Clumps& of_them) const;
   void one_step();
   /// What becomes of the order of the spheres when lists are built: spheres added since the last

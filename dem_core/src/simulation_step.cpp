@@ -83,9 +83,10 @@ void Simulation::State::occupy(const scene::Rain& rain, double largest, Occupied
   struct Ball {
     double x, y, z, radius;
   };
-  const Vec3 margin = Vec3::Constant(4.0 * largest);
   const Vec3 middle = 0.5 * (rain.lower + rain.upper);
-  const Vec3 reach = 0.5 * (rain.upper - rain.lower) + margin;
+  Vec3 reach = 0.5 * (rain.upper - rain.lower) + Vec3::Constant(4.0 * largest);
+  for (int k = 0; k < 3; ++k)  // a clump may reach out of the box through a periodic side
+    if (box.periodic[k]) reach[k] = box.length[k];
   std::vector<Ball> near;
   for (std::size_t i = 0; i < spheres.size(); ++i) {
     const Vec3& x = spheres.motion[i].x;

@@ -148,6 +148,7 @@ table::Table rains_table(const std::vector<RainSource>& rains) {
 Checkpoint Simulation::State::checkpoint() {
   Checkpoint saved;
   saved.case_text = scene::case_text(scene);
+  const LargestOverlap deepest = largest_overlap_of_all();
   const bool is_alone = domain.is_alone();
   const Whole whole = is_alone ? Whole{} : gathered();
   const Spheres& all = is_alone ? spheres : whole.spheres;
@@ -183,11 +184,10 @@ Checkpoint Simulation::State::checkpoint() {
       {"inserted_j", counted.inserted_j},
       {"removed_j", counted.removed_j},
       {"largest_speed_m_s", largest_speed},
-      {"largest_overlap_m",
-       std::vector<double>{largest_overlap.overlap_m, largest_overlap.smaller_radius_m}},
-      {"largest_overlap_sphere", static_cast<std::int64_t>(largest_overlap.sphere)},
-      {"largest_overlap_other", static_cast<std::int64_t>(largest_overlap.other)},
-      {"largest_overlap_at_wall", std::int64_t{largest_overlap.is_at_wall ? 1 : 0}},
+      {"largest_overlap_m", std::vector<double>{deepest.overlap_m, deepest.smaller_radius_m}},
+      {"largest_overlap_sphere", static_cast<std::int64_t>(deepest.sphere)},
+      {"largest_overlap_other", static_cast<std::int64_t>(deepest.other)},
+      {"largest_overlap_at_wall", std::int64_t{deepest.is_at_wall ? 1 : 0}},
   };
   return saved;
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <ctime>
 #include <optional>
+#include <utility>
 
 #include "checkpoint/build_name.hpp"
 #include "output/records.hpp"
@@ -140,6 +141,8 @@ class Runner {
     require_all_rain();
     summarize();
     const double cpu_s = processor_s();
+    if (!ranks_.is_alone())
+      log(fmt::format("{} processes, the domain was cut {} times", ranks_.size(), sim_->cuts()));
     log(fmt::format(
         "finished: {} steps, {} builds of neighbor lists, {:.3g} s; processor time {:.3g} s, "
         "{:.3g} sphere-steps/s of it; {} bodies inserted, {} removed, {} alive; state {}",
@@ -276,6 +279,8 @@ class Runner {
     double asked[3] = {here == Request::stop ? 1.0 : 0.0,
                        here == Request::write_checkpoint ? 1.0 : 0.0, is_due ? 1.0 : 0.0};
     ranks_.maximize(asked);  // signals may reach one rank alone
+    // A signal reaches ranks one after the other; what was just served is not asked for again.
+    if (std::exchange(has_served_, asked[1] > 0.0)) asked[1] = 0.0;
     if (asked[0] + asked[1] + asked[2] == 0.0) return;
     save();
     if (asked[0] > 0.0)
@@ -364,6 +369,7 @@ class Runner {
   std::optional<Simulation> sim_;
   scene::RunSummary summary_;
   double last_checkpoint_s_ = 0.0;  // of wall time
+  bool has_served_ = false;         // a request for a checkpoint, when requests were last heard
   double dt_ = 0.0;
   std::int64_t series_every_ = 1;
   std::int64_t snapshot_every_ = 0;
@@ -427,7 +433,7 @@ scene::RunSummary run_case_into_file(const scene::Case& scene, const std::filesy
     std::error_code ignored;
     std::filesystem::remove(parts, ignored);  // unless somebody runs there by now
   });
-  return *summary;
+  return summary.value_or(scene::RunSummary{});  // root may have found what was finished
 }
 
 }  // namespace repose::dem

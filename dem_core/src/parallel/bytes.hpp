@@ -42,7 +42,6 @@ class Unpacker {
  public:
   explicit Unpacker(const Bytes& bytes) : bytes_(bytes) {}
 
-  bool is_at_end() const { return at_ == bytes_.size(); }
   template <class T>
   requires std::is_trivially_copyable_v<T> T get() {
     T value;

@@ -74,7 +74,18 @@ Bytes packed(const std::exception_ptr& error) {
   return out.take();
 }
 
+/// Long enough for ranks that fail by themselves, each in its own time, as with a bad case.
+constexpr double kPatience_s = 30.0;
+/// While root closes its files, say.
+constexpr double kPatienceWithThoseWhoKnow_s = 600.0;
+
+bool& error_of_all() {
+  static bool is_of_all = false;
+  return is_of_all;
+}
+
 [[noreturn]] void throw_packed(const Bytes& bytes) {
+  error_of_all() = true;
   Unpacker in(bytes);
   const int code = in.get<int>();
   const std::string text = in.get_text();
@@ -156,7 +167,26 @@ std::vector<Bytes> Communicator::gather(const Bytes& mine) const {
 }
 
 std::vector<Bytes> Communicator::gather_to_all(const Bytes& mine) const {
-  return exchange(std::vector<Bytes>(static_cast<std::size_t>(size_), mine));
+  if (is_alone()) return {mine};
+  const auto ranks = static_cast<std::size_t>(size_);
+  const std::uint64_t size = mine.size();
+  std::vector<std::uint64_t> sizes(ranks);
+  MPI_Allgather(&size, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, work());
+  std::vector<int> counts, offsets;
+  std::uint64_t total = 0;
+  for (const std::uint64_t of_rank : sizes) {
+    counts.push_back(count(of_rank));
+    offsets.push_back(count(total));
+    total += of_rank;
+  }
+  if (total > kMostBytes) return exchange(std::vector<Bytes>(ranks, mine));
+  Bytes all(total);
+  MPI_Allgatherv(mine.data(), count(size), MPI_BYTE, all.data(), counts.data(), offsets.data(),
+                 MPI_BYTE, work());
+  std::vector<Bytes> from;
+  for (std::size_t r = 0; r < ranks; ++r)
+    from.emplace_back(all.begin() + offsets[r], all.begin() + offsets[r] + counts[r]);
+  return from;
 }
 
 std::vector<Bytes> Communicator::exchange(const std::vector<Bytes>& to) const {
@@ -208,8 +238,15 @@ void Communicator::on_root(const std::function<void()>& act) const {
     }
   }
   const Bytes told = broadcast(packed(error));
-  if (error) std::rethrow_exception(error);
+  if (error) {
+    error_of_all() = true;
+    std::rethrow_exception(error);
+  }
   if (!told.empty()) throw_packed(told);
+}
+
+bool Communicator::all_know() {
+  return error_of_all();
 }
 
 void Communicator::rethrow(const std::exception_ptr& pending) const {
@@ -238,7 +275,8 @@ ParallelSession::~ParallelSession() {
   communicators() = {};
 }
 
-bool ParallelSession::all_failed(double seconds) const {
+bool ParallelSession::all_failed() const {
+  const double seconds = Communicator::all_know() ? kPatienceWithThoseWhoKnow_s : kPatience_s;
   MPI_Request request = MPI_REQUEST_NULL;
   MPI_Ibarrier(communicators().errors, &request);
   const auto begin = std::chrono::steady_clock::now();

@@ -56,6 +56,8 @@ class Communicator {
   void on_root(const std::function<void()>& act) const;
   /// Throws on all ranks what is pending on the lowest rank where something is.
   void rethrow(const std::exception_ptr& pending) const;
+  /// Whether the last of these errors was thrown on all ranks.
+  static bool all_know();
 
  private:
   Communicator(int rank, int size) : rank_(rank), size_(size) {}
@@ -77,8 +79,8 @@ class ParallelSession {
   ParallelSession& operator=(const ParallelSession&) = delete;
 
   /// After an error on this rank: whether all ranks have come here, so that root may report for all
-  /// and everybody may end; waits `seconds` for the others.
-  bool all_failed(double seconds) const;
+  /// and everybody may end. Waits for the others, long where they are known to come.
+  bool all_failed() const;
   /// Ends all ranks at once.
   [[noreturn]] void abort(int exit_code) const;
 };

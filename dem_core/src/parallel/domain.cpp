@@ -29,9 +29,9 @@ std::vector<std::int64_t> costs_of(const Population& here) {
     twice[index(neighbor.row)] += cost;
     twice[index(neighbor.other)] += cost;
   }
-  if (here.lists.walls.first.size() == here.spheres.size() + 1)
-    for (std::size_t i = 0; i < here.spheres.size(); ++i)
-      twice[i] += 2 * costs.facet * static_cast<std::int64_t>(here.lists.walls.row(i).size());
+  // Spheres added since the lists were built come last and have no rows.
+  for (std::size_t i = 0; i + 1 < here.lists.walls.first.size(); ++i)
+    twice[i] += 2 * costs.facet * static_cast<std::int64_t>(here.lists.walls.row(i).size());
   return twice;
 }
 

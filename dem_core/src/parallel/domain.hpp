@@ -81,7 +81,6 @@ class Domain {
   static Parcel parcel_of(const Population& here);
 
   const Decomposition& decomposition() const { return decomposition_; }
-  const Halo& halo() const { return halo_; }
   std::int64_t cuts() const { return cuts_; }
 
  private:

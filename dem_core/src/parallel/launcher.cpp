@@ -36,13 +36,17 @@ void pass_on(int number) {
 class Messages {
  public:
   void take(const std::string& line) {
+    if (line.starts_with("repose-dem:")) {
+      fmt::print(stderr, "{}\n", line);
+      return;
+    }
     if (line.starts_with("----------")) {
       is_inside_ = !is_inside_;
       return;
     }
     if (is_inside_)
       said_ += line + '\n';
-    else if (line.find("mpirun") == std::string::npos || line.find("repose-dem") == 0)
+    else if (line.find("mpirun") == std::string::npos)
       fmt::print(stderr, "{}\n", line);
     else
       said_ += line + '\n';
@@ -112,10 +116,16 @@ int launch_ranks(int ranks, int argc, char** argv) {
   int from_ranks[2];
   if (::pipe2(from_ranks, O_CLOEXEC) != 0)
     throw StorageError(fmt::format("cannot start mpirun: {}", std::strerror(errno)));
+  sigset_t ours, before;  // a signal waits until it can be passed on
+  ::sigemptyset(&ours);
+  for (const int number : {SIGINT, SIGTERM, SIGUSR1}) ::sigaddset(&ours, number);
+  ::sigprocmask(SIG_BLOCK, &ours, &before);
   for (const int number : {SIGINT, SIGTERM, SIGUSR1}) ::signal(number, pass_on);
   const pid_t parent = ::getpid();
   const pid_t child = ::fork();
   if (child == 0) {
+    for (const int number : {SIGUSR1, kStopRanks}) ::signal(number, SIG_IGN);  // until it listens
+    ::sigprocmask(SIG_SETMASK, &before, nullptr);
     ::setpgid(0, 0);  // the terminal's Ctrl-C reaches it through us
     ::prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (::getppid() != parent) ::_exit(127);
@@ -128,6 +138,7 @@ int launch_ranks(int ranks, int argc, char** argv) {
   ::close(from_ranks[1]);
   if (child < 0) throw StorageError(fmt::format("cannot start mpirun: {}", std::strerror(errno)));
   launcher = child;
+  ::sigprocmask(SIG_SETMASK, &before, nullptr);
   Messages messages;
   read_lines(from_ranks[0], messages);
   ::close(from_ranks[0]);
@@ -136,7 +147,8 @@ int launch_ranks(int ranks, int argc, char** argv) {
   launcher = 0;
 
   const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  if (stopped_by != 0 && code != 0) return 128 + static_cast<int>(stopped_by);
+  if (code == 128 + SIGTERM)
+    return 128 + (stopped_by != 0 ? static_cast<int>(stopped_by) : SIGTERM);
   if (code == 127)
     throw StorageError("mpirun could not be started; install openmpi-bin or run with --ranks 1");
   if (const auto dead = dead_rank(messages.said())) {

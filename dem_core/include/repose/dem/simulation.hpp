@@ -152,9 +152,11 @@ class Simulation {
   Checkpoint checkpoint();
   /// Stands for all bits of bodies and contacts: equal for equal states, however they came about.
   std::uint64_t state_hash();
+  /// How often the domain was cut among processes; 0 with one.
+  std::int64_t cuts() const;
   /// Neighbor list builds so far.
   std::int64_t rebuilds() const;
-  /// Pairs of ids in the neighbor list, smaller first, sorted; for tests.
+  /// Pairs of ids in the neighbor list of this process, smaller first, sorted; for tests.
   std::vector<std::pair<std::int32_t, std::int32_t>> listed_pairs();
 
  private:
