@@ -12,7 +12,7 @@ std::span<const ModelKind> model_kinds() {
       ModelKind{"support-vector-regression", 1, write_svr, read_svr},
       ModelKind{"tree", 1, write_tree, read_tree},
       ModelKind{"bagged-trees", 1, write_bagged_trees, read_bagged_trees},
-      ModelKind{"boosted-trees", 1, write_boosted_trees, read_boosted_trees},
+      ModelKind{"boosted-trees", 2, write_boosted_trees, read_boosted_trees},
   };
   return kKinds;
 }

@@ -24,6 +24,23 @@ class TreeFile : public testing::Test {
     save_regressor(path_, {model, {"a", "b", "c", "d"}, "y"});
     return load_regressor(path_).model;
   }
+  /// The file again with an attribute changed.
+  void set(const std::string& name, std::int64_t value) const {
+    auto attributes = table::read_attributes({path_, "/"});
+    attributes[name] = value;
+    std::vector<std::pair<std::string, table::Table>> tables;
+    for (const auto& group : table::list_tables(path_))
+      tables.emplace_back(group, table::read_table({path_, group}));
+    table::write_tables(path_, tables, attributes);
+  }
+  /// The file again without a table.
+  void remove(const std::string& group) const {
+    const auto attributes = table::read_attributes({path_, "/"});
+    std::vector<std::pair<std::string, table::Table>> tables;
+    for (const auto& name : table::list_tables(path_))
+      if (name != group) tables.emplace_back(name, table::read_table({path_, name}));
+    table::write_tables(path_, tables, attributes);
+  }
   /// The file again with a table changed.
   template <class Change>
   void damage(const std::string& group, Change change) const {
@@ -104,12 +121,30 @@ TEST_F(TreeFile, RefusesNodesThatLeadAnywhere) {
   expect_refused("root", 1, 0);
   expect_refused("depth", 0, 1);
   expect_refused("depth", 0, -1);
+  expect_refused("depth", 0, (1LL << 31) - 1);  // a walk takes as many steps
   const auto nodes = table::read_table({path_, "/nodes"});
   const auto input = nodes.integers("input");
   const auto category = std::find(input.begin(), input.end(), 3) - input.begin();
   ASSERT_LT(category, static_cast<std::ptrdiff_t>(input.size()));
   expect_refused("level_set", static_cast<std::size_t>(category), -1);
   expect_refused("level_set", static_cast<std::size_t>(category), 1LL << 40);
+}
+
+TEST_F(TreeFile, RefusesMorePointsThanRows) {
+  save_regressor(path_, {bag_, {"a", "b", "c", "d"}, "y"});
+  set("points", 80);
+  EXPECT_EQ(load_regressor(path_).model.predict(probe_), bag_.predict(probe_));
+  set("points", 81);
+  EXPECT_THROW(load_regressor(path_), StorageError);
+  set("points", 1LL << 40);
+  EXPECT_THROW(load_regressor(path_), StorageError);
+}
+
+TEST_F(TreeFile, RefusesBoostedTreesWithoutTheirTrees) {
+  save_regressor(path_, {BoostedTrees::fit(data_, {.trees = 10}), {"a", "b", "c", "d"}, "y"});
+  ASSERT_NO_THROW(load_regressor(path_));
+  remove("/trees");
+  EXPECT_THROW(load_regressor(path_), StorageError);
 }
 
 TEST_F(TreeFile, IsNotTakenForAGaussianProcess) {

@@ -139,7 +139,8 @@ class ForestReader {
                 "/nodes names levels that are not there");
     forest_.set(i, node);
   }
-  /// Children lie behind their parents in the same tree, and no leaf is deeper than the tree.
+  /// Children lie behind their parents in the same tree, which is as deep as its deepest node: a
+  /// walk takes that many steps.
   void check_trees() const {
     for (std::size_t t = 0; t < forest_.trees.size(); ++t) {
       const auto begin = static_cast<std::size_t>(forest_.trees[t].root);
@@ -148,7 +149,6 @@ class ForestReader {
       std::vector<std::int32_t> depth(end - begin, 0);
       for (std::size_t i = begin; i < end; ++i) {
         const Node node = forest_.node(i);
-        file_.check(depth[i - begin] <= forest_.trees[t].depth, "/trees has a tree that is deeper");
         if (node.is_leaf()) continue;
         const auto left = static_cast<std::size_t>(node.left);
         file_.check(node.left > static_cast<std::int32_t>(i) && left + 1 < end,
@@ -156,6 +156,8 @@ class ForestReader {
         for (const std::size_t child : {left, left + 1})
           depth[child - begin] = std::max(depth[child - begin], depth[i - begin] + 1);
       }
+      file_.check(*std::max_element(depth.begin(), depth.end()) == forest_.trees[t].depth,
+                  "/trees has a tree of another depth than its nodes");
     }
   }
 
@@ -240,6 +242,8 @@ Regressor read_bagged_trees(const ModelReader& file, std::vector<Input> inputs) 
   const auto known = rows.integers("known");
   for (std::size_t i = 0; i < known.size(); ++i)
     if (known[i] == 0) s.out_of_bag.predicted[static_cast<Eigen::Index>(i)] = std::nan("");
+  file.check(s.points <= static_cast<Eigen::Index>(rows.rows()),
+             "attribute 'points' is more than /out_of_bag has rows");
   s.out_of_bag.rows = file.get<std::int64_t>("out_of_bag_rows");
   s.out_of_bag.rmse = s.out_of_bag.q2 = std::nan("");
   if (s.out_of_bag.rows > 0) {
@@ -258,6 +262,7 @@ std::optional<ModelContent> write_boosted_trees(const Regressor& regressor) {
   add_tree_options(s.options.tree, content.attributes);
   content.attributes["learning_rate"] = s.options.learning_rate;
   content.attributes["trees"] = static_cast<std::int64_t>(s.options.trees);
+  content.attributes["fitted_trees"] = static_cast<std::int64_t>(s.forest.trees.size());
   content.attributes["stopping"] = std::string(to_string(s.options.stopping));
   content.attributes["folds"] = static_cast<std::int64_t>(s.options.folds);
   content.attributes["seed"] = static_cast<std::int64_t>(s.options.seed);
@@ -278,6 +283,10 @@ Regressor read_boosted_trees(const ModelReader& file, std::vector<Input> inputs)
                .folds = file.get<std::int64_t>("folds"),
                .seed = read_seed(file)};
   s.forest = read_forest(file, inputs);
+  if (file.version() > 1)  // without trees the model is a constant
+    file.check(
+        file.get<std::int64_t>("fitted_trees") == static_cast<std::int64_t>(s.forest.trees.size()),
+        "/trees has not as many as attribute 'fitted_trees' says");
   s.constant = file.get<double>("constant");
   if (file.has_table("/held_out")) s.held_out_rmse = file.read("/held_out").numbers("rmse");
   s.inputs = std::move(inputs);
