@@ -7,8 +7,7 @@
 namespace repose::surrogate::trees {
 namespace {
 
-/// Up to that many values, filling and scanning bins is faster than scanning sorted rows
-/// (bench/trees_bench.cpp).
+/// Up to that many values, bins are filled and scanned; sorted rows beyond.
 constexpr std::size_t kMostBins = 16;
 
 }  // namespace

@@ -12,12 +12,13 @@ constexpr double kTie = 1e-9;
 constexpr double kNoise = 1e-26;
 
 /// By how much the sum of squares about the means falls where `left` is taken from `total`: the
-/// weighted squares of two means less that of one, without their cancellation.
+/// weighted squares of two means less that of one, without their cancellation. 0 where the other
+/// side is empty, or weighs less than the rounding of the total.
 template <class S>
 double gain_of(const S& left, const S& total) {
   const double right = total.weight - left.weight;
   const double d = left.response * total.weight - total.response * left.weight;
-  return d * d / (total.weight * left.weight * right);
+  return right > 0.0 ? d * d / (total.weight * left.weight * right) : 0.0;
 }
 
 bool is_better(double gain, double best) {
@@ -223,8 +224,8 @@ void Grower<S>::fill_bins(const Growing& node, std::span<const std::size_t> colu
 }
 
 /// An empty bin repeats the division before it, which is then no better. What is not allowed (0
-/// times a gain, or times NaN or infinity where a side is empty) is never better: one branch that
-/// is rarely taken instead of three that are hard to predict.
+/// times a gain, or times NaN where the left side is empty) is never better: one branch that is
+/// rarely taken instead of three that are hard to predict.
 template <class S>
 void Grower<S>::search_number(const S& total, std::size_t column, Split& best) const {
   const BinnedColumn& c = columns_.binned()[column];

@@ -32,7 +32,7 @@ struct TreeNode {
   /// A number goes left if it is below: halfway, on the input's scale, between two values of rows.
   double threshold = 0.0;
   /// Of a category: whether each level goes left. Levels of which the node had no rows go where
-  /// more rows do.
+  /// more weight does.
   std::vector<bool> left_levels = {};
   Eigen::Index left = -1;  ///< node number, its sibling's is next
   double mean = 0.0;       ///< of the node's rows: what a leaf predicts
