@@ -172,6 +172,41 @@ TEST(BaggedTrees, DrawReplicatesTogether) {
   }
 }
 
+// rows that repeat a point are drawn with it, so that the bags are the same
+TEST(BaggedTrees, CountAWeightOfTwoAsARepeat) {
+  const TrainingSet once = mixed_sample(50, 8);
+  TrainingSet weighted = once;
+  weighted.weights = Vector::Ones(50);
+  weighted.weights.head(10).setConstant(2.0);
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index i = 0; i < 60; ++i) rows.push_back(i % 50);
+  const BaggedTreesOptions options{
+      .trees = 20, .tree = {.minimum_leaf = 1, .maximum_splits = 12}, .seed = 3};
+  const Matrix probe = mixed_sample(100, 10).x;
+  const auto a = BaggedTrees::fit(weighted, options);
+  const auto b = BaggedTrees::fit(selected_rows(once, rows), options);
+  EXPECT_NEAR(a.out_of_bag().rmse, b.out_of_bag().rmse, 1e-12);
+  const Predictions p = a.predict_with_variances(probe);
+  const Predictions q = b.predict_with_variances(probe);
+  EXPECT_LE((p.mean - q.mean).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_LE((p.observation_variance - q.observation_variance).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+// heavy rows step with the first input, light ones with the second
+TEST(BaggedTrees, FindUnimportantWhatMattersToLightRows) {
+  TrainingSet data{
+      .x = test::uniform_points(300, 3, 1), .y = Vector(300), .inputs = std::vector<Input>(3)};
+  data.weights.resize(300);
+  for (Eigen::Index i = 0; i < 300; ++i) {
+    const bool heavy = data.x(i, 2) < 0.5;
+    data.y[i] = data.x(i, heavy ? 0 : 1) < 0.5 ? 0.0 : 1.0;
+    data.weights[i] = heavy ? 1.0 : 1e-6;
+  }
+  const auto importance = BaggedTrees::fit(data, {.trees = 50}).importance(data);
+  EXPECT_NEAR(importance[0].increase, 0.5, 0.07);  // twice the variance of the heavy rows
+  EXPECT_LT(importance[1].increase, 0.01);
+}
+
 // y depends on the first input alone; permuting it gives twice the variance of y
 TEST(BaggedTrees, KnowWhichInputMatters) {
   TrainingSet data{

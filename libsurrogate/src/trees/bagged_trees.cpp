@@ -132,20 +132,22 @@ OutOfBag judged(Vector predicted, const TrainingSet& data) {
   return result;
 }
 
-/// The errors of rows in the leaves they fall into while out of bag.
+/// The errors of rows in the leaves they fall into while out of bag, by weight.
 void add_leaf_errors(TreeAccess::State<BaggedTrees>& state, const TrainingSet& data,
                      const Bags& bags) {
   state.squares.assign(state.forest.size(), 0.0);
   state.errors.assign(state.forest.size(), 0.0);
   const Vector square = (data.y - state.out_of_bag.predicted).cwiseAbs2();
+  const std::vector<double> weights = trees::weights_of(data);
   trees::for_each_leaf(
       state.forest, data.x,
       [&](std::size_t t, Eigen::Index first, std::span<const std::int32_t> leaves) {
         for (const std::int32_t leaf : leaves) {
           const Eigen::Index i = first++;
           if (!bags.lacks(t, i)) continue;
-          state.squares[static_cast<std::size_t>(leaf)] += square[i];
-          state.errors[static_cast<std::size_t>(leaf)] += 1.0;
+          const double weight = weights[static_cast<std::size_t>(i)];
+          state.squares[static_cast<std::size_t>(leaf)] += weight * square[i];
+          state.errors[static_cast<std::size_t>(leaf)] += weight;
         }
       });
 }
@@ -190,21 +192,28 @@ Vector observation_variance(const TreeAccess::State<BaggedTrees>& state, const M
   return squares;
 }
 
-/// Rows out of a tree's bag, and how wrong the tree is there when an input is exchanged among them.
+/// Rows out of a tree's bag, and how wrong the tree is there, by weight, when an input is exchanged
+/// among them.
 class TreeErrors {
  public:
-  TreeErrors(const Forest& forest, std::size_t tree, const Matrix& x, const Vector& y)
-      : forest_(forest), tree_(tree), inputs_(x.cols()), y_(y) {
-    trees::fill_block(x, 0, x.rows(), block_);
+  TreeErrors(const Forest& forest, std::size_t tree, const TrainingSet& rows)
+      : forest_(forest),
+        tree_(tree),
+        inputs_(rows.dimension()),
+        y_(rows.y),
+        weights_(trees::weights_of(rows)) {
+    trees::fill_block(rows.x, 0, rows.rows(), block_);
   }
   double mean_square() {
     trees::find_leaves(forest_, tree_, block_, y_.size(), inputs_, leaves_);
     double sum = 0.0;
-    for (Eigen::Index i = 0; i < y_.size(); ++i) {
-      const auto leaf = static_cast<std::size_t>(leaves_[static_cast<std::size_t>(i)]);
-      sum += std::pow(y_[i] - forest_.means[leaf], 2);
+    double weight = 0.0;
+    for (std::size_t i = 0; i < weights_.size(); ++i) {
+      const double mean = forest_.means[static_cast<std::size_t>(leaves_[i])];
+      sum += weights_[i] * std::pow(y_[static_cast<Eigen::Index>(i)] - mean, 2);
+      weight += weights_[i];
     }
-    return sum / static_cast<double>(y_.size());
+    return sum / weight;
   }
   double mean_square_without(Eigen::Index input, RandomStream& random) {
     std::vector<double> values;
@@ -228,6 +237,7 @@ class TreeErrors {
   std::size_t tree_;
   Eigen::Index inputs_;
   Vector y_;
+  std::vector<double> weights_;
   std::vector<double> block_;
   std::vector<std::int32_t> leaves_;
 };
@@ -298,7 +308,7 @@ std::vector<Importance> BaggedTrees::importance(const TrainingSet& data, std::ui
     for (Eigen::Index i = 0; i < data.rows(); ++i)
       if (bags.lacks(t, i)) rows.push_back(i);
     if (rows.size() < 2) continue;
-    TreeErrors errors(state_->forest, t, data.x(rows, Eigen::all), data.y(rows));
+    TreeErrors errors(state_->forest, t, selected_rows(data, rows));
     const double before = errors.mean_square();
     const std::vector<bool> used = inputs_used(state_->forest, t, d);
     for (std::size_t k = 0; k < d; ++k) {

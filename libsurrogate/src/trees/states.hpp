@@ -21,7 +21,7 @@ struct BaggedTrees::State {
   Eigen::Index points = 0;
   OutOfBag out_of_bag = {};
   /// Of the rows that were out of a leaf's bag and fall into it: sum of their squared out-of-bag
-  /// errors, and their number. One for each node; 0 for those that are no leaves.
+  /// errors, and their number, both by weight. One for each node; 0 for those that are no leaves.
   std::vector<double> squares = {};
   std::vector<double> errors = {};
 };

@@ -33,8 +33,8 @@ struct OutOfBag {
 class BaggedTrees {
  public:
   /// Each bag has as many points as the data, drawn with replacement: rows with all that repeat
-  /// them, see points_of(). Weights count in the trees. Throws InputError as RegressionTree::fit
-  /// and for no trees.
+  /// them, see points_of(). Weights count in the trees and in errors, not in bags. Throws
+  /// InputError as RegressionTree::fit and for no trees.
   static BaggedTrees fit(const TrainingSet& data, const BaggedTreesOptions& options = {});
 
   Vector predict(const Matrix& x) const;
