@@ -53,6 +53,33 @@ TEST(FitCommand, FitsTreesAndJudgesThemByRowsLeftOut) {
   }
 }
 
+TEST(FitCommand, JudgesABagOfOneTree) {
+  const Workbench bench;
+  const json bag = fitted(bench, "bagged-trees --trees 1");
+  EXPECT_EQ(bag.at("left_out"), "rows out of bag");
+  ASSERT_EQ(bag.at("importance").size(), 3u);
+  EXPECT_EQ(bag["importance"][0]["input"], "a");
+  EXPECT_GT(bag["importance"][0]["increase"], 1.0);
+}
+
+// as many folds inside as there are points: no refit without some of these can have them
+TEST(FitCommand, SaysWhichFoldsFailed) {
+  const Workbench bench;
+  const std::string model = "boosted-trees --stop-early k-fold --folds 60 --trees 3";
+  const json fit = fitted(bench, model);
+  EXPECT_TRUE(fit.at("q2").is_null());
+  EXPECT_EQ(fit.at("failed_folds"), 10);
+  const std::string failure = fit.at("first_failure");
+  EXPECT_EQ(failure.find("fold 1: "), 0u) << failure;
+  EXPECT_NE(failure.find("60 folds"), std::string::npos) << failure;
+  const auto said =
+      bench.run("repose", "fit runs.csv --response y --input a,b,shape -o m.h5 --model " + model);
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_NE(said.out.find("without 10 of 10 folds, which failed; fold 1: "), std::string::npos)
+      << said.out;
+  EXPECT_EQ(fitted(bench, "tree").at("failed_folds"), 0);
+}
+
 TEST(PredictCommand, DoesNotCareWhichModelItIs) {
   const Workbench bench;
   for (const char* model : {"tree", "bagged-trees", "boosted-trees", "gpr"}) {

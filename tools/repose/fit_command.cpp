@@ -313,9 +313,10 @@ void print_text(const Fitted& fitted, const surrogate::LeftOut& out, const std::
 }
 
 /// Of any model but the Gaussian process with its options.
-surrogate::Trainer chosen_trainer(const FitOptions& options) {
-  if (is_tree_model(options.model)) return tree_model_trainer(options.model, options.trees);
-  surrogate::SettingsSearchOptions search{.threads = 0};
+surrogate::Trainer chosen_trainer(const FitOptions& options, unsigned threads) {
+  if (is_tree_model(options.model))
+    return tree_model_trainer(options.model, options.trees, threads);
+  surrogate::SettingsSearchOptions search{.threads = threads};
   if (options.optimise > 0) {
     search.evaluations = options.optimise;
     search.initial_points = std::min(4, options.optimise);
@@ -323,13 +324,17 @@ surrogate::Trainer chosen_trainer(const FitOptions& options) {
   return surrogate::preset_trainer(options.model, search);
 }
 
+FitMethod chosen_method(const FitOptions& options) {
+  FitMethod method{.of_all_rows = chosen_trainer(options, 0), .of_folds = {}};
+  if (!options.model.starts_with("optimisable-")) method.of_folds = chosen_trainer(options, 1);
+  return method;
+}
+
 void fit(const FitOptions& options) {
   const FitData data = read_data(options);
   if (options.model != "gpr")
-    return fit_regressor(
-        chosen_trainer(options),
-        options.model.starts_with("optimisable-") ? Judging::none : Judging::left_out, data.set,
-        data.names, options.response, options.seed, options.output, options.common);
+    return fit_regressor(chosen_method(options), data.set, data.names, options.response,
+                         options.seed, options.output, options.common);
   const Fitted fitted = fit_model(data, options);
   surrogate::save_model(options.output, fitted.named);
   const auto& model = fitted.named.model;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "repose/base/error.hpp"
 #include "repose/surrogate/bagged_trees.hpp"
 #include "repose/surrogate/boosted_trees.hpp"
 #include "repose/surrogate/cross_validation.hpp"
@@ -22,7 +23,11 @@ struct Judgement {
   std::string unknown = "there are too few rows to leave some out";
   double rmse = std::nan("");
   double q2 = std::nan("");
+  std::size_t folds = 0;
+  int failed_folds = 0;  ///< of whose rows the error does not know
+  std::string first_failure = {};
   std::vector<Importance> importance = {};
+  std::string exchanged = "rows";  ///< among which importance exchanges an input
 };
 
 TreeOptions tree_options(const TreeFitOptions& o, TreeOptions tree) {
@@ -33,15 +38,15 @@ TreeOptions tree_options(const TreeFitOptions& o, TreeOptions tree) {
   return tree;
 }
 
-BaggedTreesOptions bag_options(const TreeFitOptions& o) {
+BaggedTreesOptions bag_options(const TreeFitOptions& o, unsigned threads) {
   BaggedTreesOptions bag;
   bag.trees = o.trees.value_or(bag.trees);
   bag.tree = tree_options(o, bag.tree);
-  bag.threads = 0;
+  bag.threads = threads;
   return bag;
 }
 
-BoostedTreesOptions boosting_options(const TreeFitOptions& o) {
+BoostedTreesOptions boosting_options(const TreeFitOptions& o, unsigned threads) {
   BoostedTreesOptions boosting;
   boosting.trees = o.trees.value_or(boosting.trees);
   boosting.learning_rate = o.learning_rate.value_or(boosting.learning_rate);
@@ -49,7 +54,7 @@ BoostedTreesOptions boosting_options(const TreeFitOptions& o) {
   boosting.tree = tree_options(o, boosting.tree);
   boosting.stopping = named(o.stop_early, {Stopping::none, Stopping::held_out, Stopping::k_fold});
   boosting.folds = o.folds;
-  boosting.threads = 0;
+  boosting.threads = threads;
   return boosting;
 }
 
@@ -62,26 +67,49 @@ std::vector<Fold> folds_of(const TrainingSet& data, std::uint64_t seed) {
   return k_folds(data, {.folds = std::min(10, number), .seed = seed});
 }
 
-Judgement judge(const Regressor& model, const Trainer& trainer, Judging judging,
+void judge_by_folds(const Trainer& trainer, const std::vector<Fold>& folds, const TrainingSet& data,
+                    std::uint64_t seed, Judgement& result) {
+  const CrossValidation cv = cross_validate(data, trainer, folds, {.seed = seed, .threads = 0});
+  result.left_out = data.groups.empty() ? fmt::format("rows ({} folds)", folds.size()) : "groups";
+  result.rmse = cv.metrics.rmse;
+  result.q2 = cv.metrics.r2;
+  result.folds = folds.size();
+  result.failed_folds = cv.failed_folds;
+  for (const FoldResult& fold : cv.folds) {
+    if (fold.failure.empty()) continue;
+    result.first_failure = fmt::format("{}: {}", fold.name, fold.failure);
+    break;
+  }
+}
+
+void find_importance(const Regressor& model, const TrainingSet& data, std::uint64_t seed,
+                     Judgement& result) {
+  if (const auto* bag = model.target<BaggedTrees>()) {
+    try {
+      result.importance = bag->importance(data, seed);
+      result.exchanged = "rows out of bag";
+      return;
+    } catch (const InputError&) {
+      // too few trees have rows out of their bags
+    }
+  }
+  result.importance = permutation_importance(model, data, {.seed = seed});
+}
+
+Judgement judge(const Regressor& model, const std::optional<Trainer>& of_folds,
                 const TrainingSet& data, std::uint64_t seed) {
   Judgement result;
   const auto* bag = model.target<BaggedTrees>();
-  if (judging == Judging::none) {
+  if (!of_folds) {
     result.unknown = "repose cv tells the error at rows left out, searching without them";
   } else if (bag != nullptr && data.groups.empty()) {
     result.left_out = "rows out of bag";
     result.rmse = bag->out_of_bag().rmse;
     result.q2 = bag->out_of_bag().q2;
   } else if (const auto folds = folds_of(data, seed); !folds.empty()) {
-    const Metrics m = cross_validate(data, trainer, folds, {.seed = seed, .threads = 0}).metrics;
-    result.left_out = data.groups.empty() ? fmt::format("rows ({} folds)", folds.size()) : "groups";
-    result.rmse = m.rmse;
-    result.q2 = m.r2;
+    judge_by_folds(*of_folds, folds, data, seed, result);
   }
-  if (data.rows() < 2) return result;
-  result.importance = bag != nullptr && bag->out_of_bag().rows > 1
-                          ? bag->importance(data, seed)
-                          : permutation_importance(model, data, {.seed = seed});
+  if (data.rows() > 1) find_importance(model, data, seed, result);
   return result;
 }
 
@@ -114,6 +142,8 @@ void print_json(const std::string& kind, const NamedRegressor& named, const Judg
                             {"left_out", judgement.left_out},
                             {"rmse", number_or_null(judgement.rmse)},
                             {"q2", number_or_null(judgement.q2)},
+                            {"failed_folds", judgement.failed_folds},
+                            {"first_failure", judgement.first_failure},
                             {"importance", importance},
                             {"seconds", seconds},
                             {"file", file}};
@@ -129,10 +159,12 @@ void print_text(const NamedRegressor& named, const Judgement& judgement, Eigen::
   else
     fmt::print("  {:<40} {:>12.4f}\n  {:<40} {:>12.5g}\n", judgement.left_out + ": Q2",
                judgement.q2, judgement.left_out + ": root mean square error", judgement.rmse);
+  if (judgement.failed_folds > 0)
+    fmt::print("  without {} of {} folds, which failed; {}\n", judgement.failed_folds,
+               judgement.folds, judgement.first_failure);
   if (!judgement.importance.empty())
-    fmt::print(
-        "\n  by how much the mean square error grows when an input is exchanged among rows{}\n",
-        judgement.left_out == "rows out of bag" ? " out of bag" : "");
+    fmt::print("\n  by how much the mean square error grows when an input is exchanged among {}\n",
+               judgement.exchanged);
   for (const std::size_t k : ranking(judgement.importance))
     fmt::print("  {:<40} {:>12.5g} ± {:.2g}\n", named.inputs[k], judgement.importance[k].increase,
                judgement.importance[k].standard_error);
@@ -193,23 +225,24 @@ void refuse_options_of_other_models(const CLI::App& command, const std::string& 
   if (model == "tree") refuse_options(command, {"--trees"}, why);
 }
 
-Trainer tree_model_trainer(const std::string& model, const TreeFitOptions& options) {
+Trainer tree_model_trainer(const std::string& model, const TreeFitOptions& options,
+                           unsigned threads) {
   if (model == "tree") return tree_trainer(model, tree_options(options, {}));
-  if (model == "bagged-trees") return bagged_trees_trainer(model, bag_options(options));
-  return boosted_trees_trainer(model, boosting_options(options));
+  if (model == "bagged-trees") return bagged_trees_trainer(model, bag_options(options, threads));
+  return boosted_trees_trainer(model, boosting_options(options, threads));
 }
 
-void fit_regressor(const Trainer& trainer, Judging judging, const TrainingSet& data,
+void fit_regressor(const FitMethod& method, const TrainingSet& data,
                    const std::vector<std::string>& names, const std::string& response,
                    std::uint64_t seed, const std::string& output, const CommonOptions& common) {
   const auto start = std::chrono::steady_clock::now();
-  const NamedRegressor fitted{trainer.fit(data, seed), names, response};
+  const NamedRegressor fitted{method.of_all_rows.fit(data, seed), names, response};
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const Judgement judgement = judge(fitted.model, method.of_folds, data, seed);
   save_regressor(output, fitted);
-  const Judgement judgement = judge(fitted.model, trainer, judging, data, seed);
   if (common.json)
-    print_json(trainer.name, fitted, judgement, data.rows(), seconds, output);
+    print_json(method.of_all_rows.name, fitted, judgement, data.rows(), seconds, output);
   else
     print_text(fitted, judgement, data.rows(), seconds, output);
 }

@@ -29,19 +29,21 @@ bool is_tree_model(const std::string& model);
 /// Throws InputError for options that mean nothing for this model.
 void refuse_options_of_other_models(const CLI::App& command, const std::string& model);
 
-/// A way to fit `model` with these options.
-surrogate::Trainer tree_model_trainer(const std::string& model, const TreeFitOptions& options);
+/// A way to fit `model` with these options, on so many threads (0: one each core).
+surrogate::Trainer tree_model_trainer(const std::string& model, const TreeFitOptions& options,
+                                      unsigned threads);
 
-/// How a fitted model is judged.
-enum class Judging {
-  left_out,  ///< by rows out of bag, or rows or groups (of data.groups) left out of refits
-  none       ///< refits would search for settings: that is for `repose cv`
+/// The same way to fit twice.
+struct FitMethod {
+  surrogate::Trainer of_all_rows;
+  /// On one thread, for refits side by side without rows or groups (of data.groups), which judge
+  /// the model. None where they would search for settings: that is for `repose cv`.
+  std::optional<surrogate::Trainer> of_folds;
 };
 
-/// Fits, writes `output` and prints: the error, and the importance of the inputs.
-void fit_regressor(const surrogate::Trainer& trainer, Judging judging,
-                   const surrogate::TrainingSet& data, const std::vector<std::string>& names,
-                   const std::string& response, std::uint64_t seed, const std::string& output,
-                   const CommonOptions& common);
+/// Fits and judges, then writes `output` and prints: the error, and the importance of the inputs.
+void fit_regressor(const FitMethod& method, const surrogate::TrainingSet& data,
+                   const std::vector<std::string>& names, const std::string& response,
+                   std::uint64_t seed, const std::string& output, const CommonOptions& common);
 
 }  // namespace repose::cli
