@@ -118,7 +118,8 @@ struct FreeModel {
 };
 
 /// Fills in vectors, weights and offset. LIBSVM's training draws no random numbers and keeps no
-/// state but where it prints to.
+/// state but where it prints to. At its limit of 1e7 steps it warns on standard error, past the
+/// hook that silences the rest, and hands back what it has: not to be told from a finished fit.
 void train(SvrAccess::State& s, const Matrix& z, const Vector& y, const SvrOptions& options) {
   [[maybe_unused]] static const bool kSilent =
       (svm_set_print_string_function([](const char*) {}), true);
