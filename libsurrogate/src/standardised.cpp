@@ -18,12 +18,13 @@ StandardisedColumns StandardisedColumns::of(const TrainingSet& data) {
   const Matrix u = Encoding(data.inputs, LengthScales::one_per_input).encode(data.x);
   const Vector weights = data.weights.size() > 0 ? data.weights : Vector(Vector::Ones(data.rows()));
   const double total = weights.sum();
+  const double free = 1.0 - 1.0 / static_cast<double>(data.rows());  // (n - 1)/n
   const Vector shift = u.transpose() * weights / total;
   Vector factor = Vector::Zero(u.cols());
-  for (Eigen::Index k = 0; k < u.cols() && total > 1.0; ++k) {
-    const double square = (u.col(k).array() - shift[k]).square().matrix().dot(weights);
+  for (Eigen::Index k = 0; k < u.cols(); ++k) {
+    const double square = (u.col(k).array() - shift[k]).square().matrix().dot(weights) / total;
     if (u.col(k).maxCoeff() > u.col(k).minCoeff() && square > 0.0)
-      factor[k] = std::sqrt((total - 1.0) / square);
+      factor[k] = std::sqrt(free / square);
   }
   return {data.inputs, shift, factor};
 }

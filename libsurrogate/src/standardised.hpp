@@ -13,7 +13,7 @@ namespace repose::surrogate {
 class StandardisedColumns {
  public:
   StandardisedColumns() = default;
-  /// Shifts and factors of the training rows (weights, which may be empty, count as repeats), or
+  /// Shifts and factors of the training rows (weights, which may be empty, count in proportion), or
   /// none: z = u.
   static StandardisedColumns of(const TrainingSet& data);
   static StandardisedColumns none(const std::vector<Input>& inputs);

@@ -114,10 +114,24 @@ TEST(Perceptron, CountsAWeightAsRepeats) {
   repeated.weights = {};
   repeated = selected_rows(repeated, rows);
   // the same loss: the same first steps up to rounding, which later ones magnify
-  const PerceptronOptions options{.layers = {3}, .penalty = 0.1, .networks = 1};
+  const PerceptronOptions options{
+      .layers = {3}, .penalty = 0.1, .networks = 1, .standardisation = Standardisation::none};
   const Vector a = Perceptron::fit(weighted, 1, options).predict(weighted.x);
   const Vector b = Perceptron::fit(repeated, 1, options).predict(weighted.x);
   EXPECT_LT((a - b).cwiseAbs().maxCoeff(), 1e-3);
+}
+
+TEST(Perceptron, DoesNotFeelTheSizeOfAllWeights) {
+  TrainingSet data = smooth_data(16, 2);
+  const PerceptronOptions options{.layers = {3}, .penalty = 0.1, .networks = 1};
+  data.weights = Vector::Ones(16);
+  const Vector ones = Perceptron::fit(data, 1, options).predict(data.x);
+  data.weights.setConstant(1.0 / 16.0);  // a power of 2: the same bits
+  EXPECT_EQ(Perceptron::fit(data, 1, options).predict(data.x), ones);
+  data.weights = {};
+  // sums in another order
+  EXPECT_LT((Perceptron::fit(data, 1, options).predict(data.x) - ones).cwiseAbs().maxCoeff(), 1e-3);
+  EXPECT_GT(ones.maxCoeff() - ones.minCoeff(), 0.1);
 }
 
 TEST(Perceptron, OfAConstantIsThatConstant) {
