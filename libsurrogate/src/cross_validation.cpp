@@ -76,7 +76,8 @@ FoldResult run(const TrainingSet& data, const Trainer& trainer, const Fold& fold
     predictions = model.predict_with_variances(test.x);
     result.prediction_seconds = seconds_since(start);
     if (!predictions.mean.allFinite()) throw NumericalError("a prediction is not finite");
-    result.metrics = metrics_of(test.y, predictions.mean, predictions.observation_variance);
+    result.metrics =
+        metrics_of(test.y, predictions.mean, predictions.observation_variance, test.weights);
   } catch (const Error& error) {
     result.failure = error.what();
   }
@@ -85,19 +86,20 @@ FoldResult run(const TrainingSet& data, const Trainer& trainer, const Fold& fold
 
 /// Of all rows and repetitions that have a prediction.
 Metrics pooled_metrics(const TrainingSet& data, const CrossValidation& result) {
-  std::vector<double> y, p, v;
+  std::vector<double> y, p, v, w;
   for (Eigen::Index r = 0; r < result.predicted.cols(); ++r)
     for (Eigen::Index i = 0; i < data.rows(); ++i)
       if (!std::isnan(result.predicted(i, r))) {
         y.push_back(data.y[i]);
         p.push_back(result.predicted(i, r));
         v.push_back(result.variance(i, r));
+        if (data.weights.size() > 0) w.push_back(data.weights[i]);
       }
   const auto vector = [](const std::vector<double>& values) {
     return Vector(
         Eigen::Map<const Vector>(values.data(), static_cast<Eigen::Index>(values.size())));
   };
-  return metrics_of(vector(y), vector(p), vector(v));
+  return metrics_of(vector(y), vector(p), vector(v), vector(w));
 }
 
 CrossValidation empty_result(const TrainingSet& data, const std::vector<Fold>& folds) {
@@ -198,7 +200,8 @@ CrossValidation cross_validate_fixed(const TrainingSet& data, const Regressor& g
     const Vector predicted = result.predicted(test, fold.repetition);
     if (predicted.allFinite()) {
       fold.metrics =
-          metrics_of(data.y(test), predicted, Vector(result.variance(test, fold.repetition)));
+          metrics_of(data.y(test), predicted, Vector(result.variance(test, fold.repetition)),
+                     data.weights.size() > 0 ? Vector(data.weights(test)) : Vector());
     } else {
       fold.failure = "its rows alone determine a coefficient of the trend";
       ++result.failed_folds;

@@ -95,7 +95,8 @@ Regressor fitted(const TrainingSet& data, const Vector& settings, GaussianProces
   options.bounds = {{"noise_variance", variance, variance}};
   if (options.kernel.length_scales == LengthScales::shared)
     fix_length_scales(data, settings, options);
-  return GaussianProcessRegressor(GaussianProcess::fit(data.x, data.y, data.inputs, options));
+  const std::uint64_t seed = options.seed;
+  return gaussian_process_trainer("Gaussian process", options).fit(data, seed);
 }
 
 }  // namespace

@@ -9,37 +9,50 @@
 namespace repose::surrogate {
 namespace {
 
-double negative_log_density(const Vector& residual, const Vector& variance) {
-  double sum = 0.0;
-  for (Eigen::Index i = 0; i < residual.size(); ++i)
-    sum += 0.5 * (std::log(2.0 * std::numbers::pi * variance[i]) +
-                  residual[i] * residual[i] / variance[i]);
-  return sum / static_cast<double>(residual.size());
+/// Sum of (weighted) values.
+double sum_of(const Vector& values, const Vector& weights) {
+  return weights.size() > 0 ? values.dot(weights) : values.sum();
+}
+
+Vector negative_log_densities(const Vector& residual, const Vector& variance) {
+  return 0.5 * ((2.0 * std::numbers::pi * variance.array()).log() +
+                residual.array().square() / variance.array());
+}
+
+void check_length(const Vector& values, Eigen::Index rows, const char* what) {
+  if (values.size() != 0 && values.size() != rows)
+    throw InputError(fmt::format("{} {} for {} observations; there must be one for each",
+                                 values.size(), what, rows));
 }
 
 }  // namespace
 
-Metrics metrics_of(const Vector& observed, const Vector& predicted, const Vector& variance) {
+Metrics metrics_of(const Vector& observed, const Vector& predicted, const Vector& variance,
+                   const Vector& weights) {
   const Eigen::Index n = observed.size();
-  if (predicted.size() != n || (variance.size() != 0 && variance.size() != n))
-    throw InputError(
-        fmt::format("{} observations, {} predictions and {} variances; they must agree", n,
-                    predicted.size(), variance.size()));
+  if (predicted.size() != n)
+    throw InputError(fmt::format("{} predictions of {} observations; there must be one for each",
+                                 predicted.size(), n));
+  check_length(variance, n, "variances");
+  check_length(weights, n, "weights");
   Metrics m{.rows = n};
   if (n == 0) return m;
   const Vector residual = observed - predicted;
-  const auto count = static_cast<double>(n);
-  const double squares = residual.squaredNorm();
+  const double count = weights.size() > 0 ? weights.sum() : static_cast<double>(n);
+  const double squares = sum_of(residual.cwiseAbs2(), weights);
   m.rmse = std::sqrt(squares / count);
-  m.mae = residual.cwiseAbs().sum() / count;
-  const Vector y = observed.array() - observed.mean();
-  const Vector p = predicted.array() - predicted.mean();
+  m.mae = sum_of(residual.cwiseAbs(), weights) / count;
+  const Vector y = observed.array() - sum_of(observed, weights) / count;
+  const Vector p = predicted.array() - sum_of(predicted, weights) / count;
   if (observed.maxCoeff() > observed.minCoeff()) {
-    m.r2 = 1.0 - squares / y.squaredNorm();
+    const double y_squares = sum_of(y.cwiseAbs2(), weights);
+    m.r2 = 1.0 - squares / y_squares;
     if (predicted.maxCoeff() > predicted.minCoeff())
-      m.squared_correlation = std::pow(y.dot(p), 2) / (y.squaredNorm() * p.squaredNorm());
+      m.squared_correlation = std::pow(sum_of(y.cwiseProduct(p), weights), 2) /
+                              (y_squares * sum_of(p.cwiseAbs2(), weights));
   }
-  if (variance.size() > 0) m.negative_log_density = negative_log_density(residual, variance);
+  if (variance.size() > 0)
+    m.negative_log_density = sum_of(negative_log_densities(residual, variance), weights) / count;
   return m;
 }
 

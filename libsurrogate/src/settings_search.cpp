@@ -35,6 +35,14 @@ void cross_validate(SettingsTrial& trial, const TrainingSet& data, const ModelFa
     if (!fold.failure.empty() && trial.failure.empty()) trial.failure = fold.failure;
 }
 
+/// Of y, weights as repeats; positive.
+double deviation_of(const TrainingSet& data) {
+  const Vector w = data.weights.size() > 0 ? data.weights : Vector(Vector::Ones(data.rows()));
+  const double mean = data.y.dot(w) / w.sum();
+  return std::max(std::sqrt((data.y.array() - mean).square().matrix().dot(w) / w.sum()),
+                  std::numeric_limits<double>::min());
+}
+
 /// Of the trials that could be fitted; the optimiser's if that is one of them.
 std::size_t best_trial(const std::vector<SettingsTrial>& trials, std::size_t recommended) {
   if (trials[recommended].failure.empty()) return recommended;
@@ -65,8 +73,7 @@ SettingsSearch search_settings(const TrainingSet& data, const ModelFamily& famil
   bayesian.propose.threads = options.threads;
   // the optimiser's own model: noise estimated, categories exchangeable
   opt::BayesianOptimizer optimizer(problem, gaussian_process_fitter(search.space), bayesian);
-  const double sd = std::max(std::sqrt((data.y.array() - data.y.mean()).square().mean()),
-                             std::numeric_limits<double>::min());
+  const double sd = deviation_of(data);
   double best = kInfinity;
   for (int i = 0; i < options.evaluations; ++i) {
     const opt::Trial asked = optimizer.ask()[0];

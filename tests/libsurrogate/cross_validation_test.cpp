@@ -123,6 +123,27 @@ TEST(Metrics, AreWhatTheirEquationsSay) {
   EXPECT_THROW(metrics_of(y, Vector{{1.0}}), InputError);
 }
 
+TEST(Metrics, CountAWeightAsRepeats) {
+  const Vector y{{1.0, 2.0, 4.0}}, p{{1.5, 2.5, 3.0}}, v{{1.0, 2.0, 4.0}};
+  const std::vector<Eigen::Index> rows{0, 0, 0, 1, 2, 2};
+  const Metrics a = metrics_of(y, p, v, Vector{{3.0, 1.0, 2.0}});
+  const Metrics b = metrics_of(y(rows), p(rows), v(rows));
+  EXPECT_NEAR(a.rmse, b.rmse, 1e-14);
+  EXPECT_NEAR(a.mae, b.mae, 1e-14);
+  EXPECT_NEAR(a.r2, b.r2, 1e-14);
+  EXPECT_NEAR(a.squared_correlation, b.squared_correlation, 1e-14);
+  EXPECT_NEAR(a.negative_log_density, b.negative_log_density, 1e-14);
+  EXPECT_THROW(metrics_of(y, p, v, Vector{{1.0, 2.0}}), InputError);
+}
+
+TEST(CrossValidate, WeighsTheErrorsOfWeightedRows) {
+  TrainingSet data = smooth_data(8, 1);
+  data.weights = Vector::LinSpaced(8, 1.0, 8.0);
+  const auto result = cross_validate(data, mean_trainer(), k_folds(data, {.folds = 4}));
+  const Vector error = data.y - result.predicted.col(0);
+  EXPECT_NEAR(result.metrics.rmse, std::sqrt(error.cwiseAbs2().dot(data.weights) / 36.0), 1e-14);
+}
+
 TEST(CrossValidate, OfTheMeanOneByOneHasAClosedForm) {
   const TrainingSet data = smooth_data(12, 1);
   const auto result = cross_validate(data, mean_trainer(), k_folds(data, {.folds = 12}));

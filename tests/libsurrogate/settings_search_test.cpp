@@ -72,6 +72,17 @@ TEST(SettingsSearch, SaysWhyNoSettingCouldBeFitted) {
   EXPECT_THROW(search_settings(line_data(), lines(), {.folds = 31}), InputError);
 }
 
+TEST(SettingsSearch, OfAGaussianProcessRefusesWeights) {
+  TrainingSet data = line_data();
+  data.weights = Vector::Ones(30);
+  try {
+    search_settings(data, gaussian_process_family(), {.evaluations = 2, .initial_points = 2});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("takes no weights"), std::string::npos);
+  }
+}
+
 TEST(SettingsSearch, IsTheSameForAnyNumberOfThreads) {
   const TrainingSet data = smooth_data(30, 2);
   const auto one = search_settings(data, svr_family(), {.evaluations = 8});

@@ -52,15 +52,17 @@ struct Metrics {
   double negative_log_density = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// variance: of observations, or empty. Throws InputError on lengths that differ.
-Metrics metrics_of(const Vector& observed, const Vector& predicted, const Vector& variance = {});
+/// variance: of observations, or empty. weights: positive, count as repeats of an observation, all
+/// equal where empty. Throws InputError on lengths that differ.
+Metrics metrics_of(const Vector& observed, const Vector& predicted, const Vector& variance = {},
+                   const Vector& weights = {});
 
 /// What became of a fold.
 struct FoldResult {
   std::string name;
   int repetition = 0;
   Metrics metrics = {};     ///< of its test rows
-  std::string description;  ///< Regressor::describe() of its model: settings chosen inside too
+  std::string description;  ///< Regressor::describe() of its model; not every setting
   std::string failure;      ///< why there is no prediction; empty if there is
   /// What a reader should know: a response constant in the training rows, a category's level that
   /// these lack.
@@ -86,9 +88,9 @@ struct CrossValidationOptions {
   ProgressCallback progress = {};  ///< in folds; called from any thread, one at a time
 };
 
-/// Fits to each fold's training rows and predicts its test rows. A fit that throws an Error, or a
-/// prediction that does so or is not finite, is a fold with a failure. Throws InputError as
-/// check(TrainingSet), and on a fold that names rows that are not there or has none.
+/// Fits to each fold's training rows and predicts its test rows; weights count in both. A fit that
+/// throws an Error, or a prediction that does so or is not finite, is a fold with a failure. Throws
+/// InputError as check(TrainingSet), and on a fold that names rows that are not there or has none.
 CrossValidation cross_validate(const TrainingSet& data, const Trainer& trainer,
                                const std::vector<Fold>& folds,
                                const CrossValidationOptions& options = {});
