@@ -107,7 +107,9 @@ Fitted robust(const Matrix& design, const Vector& y, double constant) {
     scale = std::max(scale_of(residual, rank), smallest);
     u = residual / (constant * scale);
     const Vector before = f.fit.coefficients;
-    f.fit = minimum_norm_fit(design, y, u.unaryExpr(&bisquare_weight));
+    MinimumNormFit next = minimum_norm_fit(design, y, u.unaryExpr(&bisquare_weight));
+    if (next.rank < rank) break;  // a coefficient would rest on outliers alone
+    f.fit = std::move(next);
     f.converged = (f.fit.coefficients - before).cwiseAbs().maxCoeff() <=
                   kReweighted * f.fit.coefficients.cwiseAbs().maxCoeff();
     ++f.iterations;

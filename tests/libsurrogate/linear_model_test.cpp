@@ -205,6 +205,19 @@ TEST(RobustLinearModel, FitsALineThatMostRowsObeyExactly) {
   EXPECT_NEAR(model.predict(Matrix{{0.5}})[0], 3.5, 1e-9);
 }
 
+TEST(RobustLinearModel, KeepsALevelWhoseRowsContradictEachOther) {
+  TrainingSet data{.x = Matrix::Zero(42, 1), .y = Vector(42), .inputs = {{.levels = {"a", "b"}}}};
+  RandomStream random(7);
+  for (double& value : data.y) value = random.normal();
+  data.x(40, 0) = data.x(41, 0) = 1.0;
+  data.y[40] = 0.0;
+  data.y[41] = 100.0;
+  const LinearModel model = LinearModel::fit(data, {.method = LinearMethod::robust});
+  EXPECT_NEAR(model.predict(Matrix{{1.0}})[0], 50.0, 1e-10);
+  EXPECT_EQ(model.report().rank, 2);
+  EXPECT_FALSE(model.report().converged);
+}
+
 TEST(StepwiseLinearModel, KeepsTheTermsThatMadeTheData) {
   TrainingSet data = smooth_data(60, 6);
   const Matrix c = 2.0 * data.x.array() - 1.0;

@@ -43,7 +43,9 @@ struct LinearFitReport {
   Eigen::Index rank = 0;          ///< of the model matrix; below `coefficients` some are aliased
   Eigen::Index residual_df = 0;   ///< rows - rank; 0: the variance of the errors is not known
   int iterations = 1;             ///< of reweighting
-  bool converged = true;          ///< of reweighting, within 50 iterations
+  /// Of reweighting, within 50 iterations; false too where it stopped because every row that
+  /// determines a coefficient had become an outlier.
+  bool converged = true;
 };
 
 /// A fitted model; never unfitted. Cheap to copy, safe to use from several threads.
