@@ -16,7 +16,10 @@ std::optional<ModelContent> write_perceptron(const Regressor& model) {
   const auto* perceptron = model.target<Perceptron>();
   if (perceptron == nullptr) return std::nullopt;
   const auto& s = PerceptronAccess::state(*perceptron);
-  ModelContent content{.attributes = {{"shift", s.shift}, {"scale", s.scale}}};
+  ModelContent content{
+      .attributes = {{"shift", s.shift},
+                     {"scale", s.scale},
+                     {"networks", static_cast<std::int64_t>(s.parameters.size())}}};
   content.add("/columns", columns_table(s.columns));
   table::Table layers;
   add_column(layers, "neurons", std::vector<std::int64_t>(s.layers.begin(), s.layers.end()));
@@ -61,6 +64,8 @@ Regressor read_perceptron(const ModelReader& file, std::vector<Input> inputs) {
       s.training.push_back({loss[i], static_cast<int>(evaluations[i]), converged[i] == 1});
     }
   }
+  file.check(static_cast<std::int64_t>(s.parameters.size()) == file.get<std::int64_t>("networks"),
+             "/parameters does not have as many columns as the attribute networks says");
   return PerceptronAccess::make(std::move(s));
 }
 

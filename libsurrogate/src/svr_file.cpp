@@ -23,7 +23,8 @@ std::optional<ModelContent> write_svr(const Regressor& model) {
                                       {"kernel_scale", s.kernel_scale},
                                       {"shift", s.shift},
                                       {"scale", s.scale},
-                                      {"offset", s.offset}}};
+                                      {"offset", s.offset},
+                                      {"support_vectors", std::int64_t{s.weights.size()}}}};
   content.add("/columns", columns_table(s.columns));
   table::Table vectors;
   for (Eigen::Index k = 0; k < s.vectors.cols(); ++k)
@@ -49,6 +50,8 @@ Regressor read_svr(const ModelReader& file, std::vector<Input> inputs) {
     for (Eigen::Index k = 0; k < s.vectors.cols(); ++k)
       s.vectors.col(k) = vector_of(t.numbers(coordinate(k)));
   }
+  file.check(s.weights.size() == file.get<std::int64_t>("support_vectors"),
+             "/support_vectors does not have as many rows as the attribute support_vectors says");
   return SvrAccess::make(std::move(s));
 }
 

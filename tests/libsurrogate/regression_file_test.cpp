@@ -1,5 +1,6 @@
 // Linear models, support vector regressions and perceptrons come back from files to the bit.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -30,7 +31,8 @@ TrainingSet mixed_data() {
 std::filesystem::path file_of_this_test() {
   return std::filesystem::temp_directory_path() /
          (std::string("repose_regression_") +
-          ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".h5");
+          ::testing::UnitTest::GetInstance()->current_test_info()->name() + "_" +
+          std::to_string(::getpid()) + ".h5");
 }
 
 std::vector<Trainer> all_trainers() {
@@ -81,6 +83,22 @@ TEST(RegressionFile, GivesBackModelsWithoutADegreeOfFreedom) {
   const TrainingSet data = mixed_data();
   const std::vector<Eigen::Index> rows{0, 1, 2, 3};
   expect_same_after_loading(selected_rows(data, rows));
+}
+
+TEST(RegressionFile, DoesNotTakeAModelThatLostATableForAConstant) {
+  const auto path = file_of_this_test();
+  const std::vector<std::pair<std::size_t, const char*>> cases{{5, "/support_vectors"},
+                                                               {7, "/parameters"}};
+  for (const auto& [trainer, lost] : cases) {
+    save_regressor(path, {all_trainers()[trainer].fit(mixed_data(), 1), {"a", "b", "c"}, "y"});
+    const auto attributes = table::read_attributes({path, "/"});
+    std::vector<std::pair<std::string, table::Table>> tables;
+    for (const auto& name : table::list_tables(path))
+      if (name != lost) tables.emplace_back(name, table::read_table({path, name}));
+    table::write_tables(path, tables, attributes);
+    EXPECT_THROW(load_regressor(path), StorageError) << lost;
+  }
+  std::filesystem::remove(path);
 }
 
 TEST(RegressionFile, RefusesADamagedModelByTheNameOfItsFile) {

@@ -25,8 +25,7 @@
 //
 // "linear-model", version 1:
 //   /              method, error_variance and coefficient_variance (where known), rank,
-//   residual_df,
-//                  iterations, converged
+//                  residual_df, iterations, converged
 //   /terms         first, second (coded columns from 0, equal for a main effect; -1: the constant),
 //                  coefficient
 //   /root          values, by columns: R (coefficients x rank), coefficient_variance R R^T is the
@@ -35,9 +34,11 @@
 // "support-vector-regression", version 1, and "perceptron", version 1:
 //   /columns       a row a coordinate: z = (u - shift) factor
 //   /              kernel, kernel_scale, shift, scale, offset; y = shift + scale (sum weight k +
-//                  offset). /support_vectors: u1 ... up (divided by kernel_scale), weight
-//   /              shift, scale; y = shift + scale * mean of the networks. /layers: neurons;
-//                  /parameters: network1 ... (W by columns, b, layer by layer); /training
+//                  offset). support_vectors: their number; /support_vectors: u1 ... up (divided by
+//                  kernel_scale), weight
+//   /              shift, scale; y = shift + scale * mean of the networks. networks: their number;
+//                  /layers: neurons; /parameters: network1 ... (W by columns, b, layer by layer);
+//                  /training
 //
 // "tree", "bagged-trees", "boosted-trees", version 1:
 //   /              minimum_leaf, maximum_splits, maximum_depth, predictors (0: no limit);
