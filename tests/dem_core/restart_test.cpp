@@ -246,6 +246,22 @@ TEST(RunCaseIntoFile, RunsAnewWhereAnotherCaseOrADamagedFileIsFinished) {
   EXPECT_EQ(scene::read_run(file).summary().seed, 2u);
 }
 
+TEST(RunCaseIntoFile, ThatCannotBeMovedStaysWholeAndIsMovedLater) {
+  const TestFolder folder;
+  const scene::Case c = above_nothing();
+  const fs::path file = folder.path / "run.h5";
+  const RunControl in_the_way{.progress = [&](double, double, std::string_view) {
+    fs::create_directories(file / "something");
+  }};
+  EXPECT_THROW(run_case_into_file(c, file, in_the_way), StorageError);
+  const fs::path parts = folder.path / "run.h5.parts";
+  const std::string hash = scene::read_run(parts / "run.h5").summary().state_hash;
+  fs::remove_all(file);
+  EXPECT_EQ(run_case_into_file(c, file).state_hash, hash);
+  EXPECT_TRUE(fs::is_regular_file(file));
+  EXPECT_FALSE(fs::exists(parts));
+}
+
 TEST(RunCaseIntoFile, DoesNotBeginWhereItsResultCouldNotBePut) {
   const TestFolder folder;
   const fs::path file = folder.path / "result.h5";

@@ -15,7 +15,6 @@
 #include "output/run_state.hpp"
 #include "parallel/communicator.hpp"
 #include "repose/base/error.hpp"
-#include "repose/base/file.hpp"
 #include "repose/base/text.hpp"
 #include "repose/dem/simulation.hpp"
 
@@ -390,6 +389,16 @@ std::optional<scene::RunSummary> finished_run(const scene::Case& scene,
   return std::nullopt;
 }
 
+/// A result that cannot be moved stays where it is.
+void put_in_place(const std::filesystem::path& result, const std::filesystem::path& file) {
+  std::error_code code;
+  std::filesystem::rename(result, file, code);
+  if (code)
+    throw StorageError(fmt::format(
+        "cannot move the result to '{}': {}; it is whole in '{}', and the same command moves it",
+        file.string(), code.message(), result.string()));
+}
+
 /// Removes what is in the folder, but for the lock.
 void remove_content(const std::filesystem::path& folder, const RunLock& lock) {
   std::error_code ignored;  // the result is in place; what is left behind does no harm
@@ -425,7 +434,7 @@ scene::RunSummary run_case_into_file(const scene::Case& scene, const std::filesy
     const bool is_finished = !ranks.broadcast(std::string(summary ? "finished" : "")).empty();
     if (!is_finished) summary = Runner(scene, parts, control).run();
     ranks.on_root([&] {
-      commit_file(parts / "run.h5", file);
+      put_in_place(parts / "run.h5", file);
       remove_content(parts, *lock);
     });
   }
