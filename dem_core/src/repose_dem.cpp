@@ -201,7 +201,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   app.add_option("--balance", options.balance,
-                 "When the domain is cut anew among processes; changes no bit of the result")
+                 "When the domain is cut anew; changes no bit of the result")
       ->check(CLI::IsMember({"by-cost", "never"}))
       ->capture_default_str();
   app.add_flag("--from-start", options.from_start,

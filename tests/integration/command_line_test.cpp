@@ -38,9 +38,9 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 
 TEST(CommandLine, EveryCommandHasHelpWithAnExample) {
   const Workbench bench;
-  for (const char* command :
-       {"", "calibrate", "simulate", "design dsd", "design lhs", "design check", "screen",
-        "variance", "fit", "predict", "sensitivity", "table show"}) {
+  for (const char* command : {"", "calibrate", "simulate", "design dsd", "design lhs",
+                              "design check", "screen", "variance", "fit", "predict", "compare",
+                              "cv", "sensitivity", "sample", "optimise", "table show"}) {
     const auto said = bench.run("repose", std::string(command) + " --help");
     EXPECT_EQ(said.code, 0) << command;
     EXPECT_NE(said.out.find("Example: repose"), std::string::npos) << command;

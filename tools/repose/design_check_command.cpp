@@ -317,8 +317,7 @@ void check(const CheckOptions& options) {
 void add_design_check(CLI::App& design) {
   auto o = std::make_shared<CheckOptions>();
   auto* command =
-      add_command(design, "check",
-                  "Is a table a definitive screening design? What can it tell apart, and find?",
+      add_command(design, "check", "Is it a definitive screening design? What can it find?",
                   "repose design check runs.csv --columns mu_s,mu_r,c_r --repair complete.h5\n"
                   "Exits with 3 and names the runs if it is not one; with --repair, if the "
                   "repaired one is not.",

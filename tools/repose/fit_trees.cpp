@@ -194,7 +194,7 @@ void add_tree_options(CLI::App* command, TreeFitOptions* o) {
       ->check(positive);
   command
       ->add_option("--stop-early", o->stop_early,
-                   "boosting with as many trees as predict folds left out best: none, held-out, "
+                   "as many boosted trees as predict left-out rows best: none, held-out, "
                    "k-fold")
       ->capture_default_str()
       ->check(CLI::IsMember({"none", "held-out", "k-fold"}).description(""));
