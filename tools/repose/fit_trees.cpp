@@ -194,8 +194,7 @@ void add_tree_options(CLI::App* command, TreeFitOptions* o) {
       ->check(positive);
   command
       ->add_option("--stop-early", o->stop_early,
-                   "as many boosted trees as predict left-out rows best: none, held-out, "
-                   "k-fold")
+                   "boosted trees: as many as suit rows left out: none, held-out, k-fold")
       ->capture_default_str()
       ->check(CLI::IsMember({"none", "held-out", "k-fold"}).description(""));
   command->add_option("--folds", o->folds, "of --stop-early")
