@@ -158,9 +158,43 @@ void expect_refusal(const Workbench& bench, const std::string& arguments,
   EXPECT_NE(result.err.find(sentence), std::string::npos) << result.err;
 }
 
+TEST(PredictCommand, LeavesADeviationThatTheDataDoNotDetermineEmpty) {
+  const Workbench bench;
+  bench.write("runs.csv", "a,b,y\n0,0,1\n1,1,2\n2,2,2.5\n3,3,4\n4,4,5\n");
+  bench.write("points.csv", "a,b\n1,1\n1,3\n");
+  const auto fit =
+      bench.run("repose", "fit runs.csv --response y --input a,b --model linear -o m.h5");
+  ASSERT_EQ(fit.code, 0) << fit.err;
+  const json p = said(bench, "predict m.h5 points.csv -o p.csv --json");
+  EXPECT_TRUE(p.at("function_sd").at(0).is_number());
+  EXPECT_TRUE(p.at("function_sd").at(1).is_null());
+  EXPECT_TRUE(p.at("observation_sd").at(1).is_null());
+  EXPECT_TRUE(p.at("predicted").at(1).is_number());
+}
+
+TEST(CompareCommand, SaysItsResultsWhereAFigureCannotBeWritten) {
+  const Workbench bench;
+  bench.write("runs.csv", runs());
+  std::filesystem::create_directories(bench / "figures/linear.svg");
+  const auto result =
+      bench.run("repose", std::string("compare") + kTable + "--model linear --figures figures");
+  EXPECT_NE(result.code, 0);
+  EXPECT_EQ(json::parse(result.out).at("models").size(), 1u);
+  EXPECT_NE(result.err.find("linear.svg"), std::string::npos) << result.err;
+}
+
 TEST(ValidationCommands, RefuseWithASentence) {
   const Workbench bench;
   bench.write("runs.csv", runs());
+  bench.write("gaps.csv", "mu,lot,text,y\n0,1,a,1\n1,,a,2\n2,1,,3\n3,2,b,4\n4,2,b,6\n");
+  for (const char* group : {"lot", "text"})
+    expect_refusal(bench,
+                   std::string("cv gaps.csv --response y --input mu --model linear --outer "
+                               "leave-group-out:") +
+                       group,
+                   std::string("column ") + group + " has no value in 1 of 5 rows");
+  expect_refusal(bench, "compare runs.csv --response angle_deg --input mu_s --model '?'",
+                 "medium-gaussian-svm");
   const std::string table = " runs.csv --response angle_deg --input mu_s,mu_r --model linear ";
   expect_refusal(bench, "cv" + table + "--outer leave-group-out:laboratory", "one group");
   expect_refusal(bench, "cv" + table + "--outer kfold:41", "41 folds of 40");

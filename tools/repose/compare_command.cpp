@@ -113,11 +113,11 @@ plot::Figure figure_of(const Contestant& c, const TrainingTable& table,
 void write_figures(const CompareOptions& options, const std::vector<Contestant>& contestants,
                    const TrainingTable& table) {
   if (options.figures.empty()) return;
-  make_directory(options.figures);
   for (const auto& c : contestants)
     if (c.validation.metrics.rows > 0)
       write_file_atomically(std::filesystem::path(options.figures) / (c.name + ".svg"),
                             figure_of(c, table, options.columns.response).svg());
+  if (!options.common.json) fmt::print("\nfigures written to {}\n", options.figures);
 }
 
 void print_text(const CompareOptions& options, const std::vector<Contestant>& contestants,
@@ -140,7 +140,6 @@ void print_text(const CompareOptions& options, const std::vector<Contestant>& co
   fmt::print("\nfitted to all rows:\n");
   for (const auto& c : contestants)
     if (c.failure.empty()) fmt::print("{}", described(c.name, c.description));
-  if (!options.figures.empty()) fmt::print("\nfigures written to {}\n", options.figures);
 }
 
 nlohmann::json json_of(const CompareOptions& options, const std::vector<Contestant>& contestants) {
@@ -176,12 +175,13 @@ void compare(CompareOptions options) {
   options.validation.search = {.evaluations = options.optimise,
                                .initial_points = std::min(4, options.optimise),
                                .folds = options.inner};
+  if (!options.figures.empty()) make_directory(options.figures);
   const auto contestants = run_all(options, table, folds);
-  write_figures(options, contestants, table);
   if (options.common.json)
     fmt::print("{}\n", json_of(options, contestants).dump(2));
   else
     print_text(options, contestants, folds.size());
+  write_figures(options, contestants, table);
   if (std::all_of(contestants.begin(), contestants.end(),
                   [](const Contestant& c) { return c.validation.metrics.rows == 0; }))
     throw InputError("no model could be fitted and predicted in any fold");
@@ -196,7 +196,7 @@ void add_compare(CLI::App& app) {
                   "repose compare runs.h5 --response shear_angle_deg --figures figures", o->common);
   add_training_columns(command, &o->columns);
   command->add_option("--group", o->columns.group, "column: each of its groups is left out once");
-  command->add_option("--model", o->validation.models, "names; else all (a wrong name lists them)")
+  command->add_option("--model", o->validation.models, "names; else all ('?' lists them)")
       ->delimiter(',');
   auto* folds = command->add_option("--folds", o->folds, "rows by chance; without --group")
                     ->capture_default_str()

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -87,12 +88,23 @@ Matrix input_matrix(const table::Table& table, const std::vector<std::string>& n
   return x;
 }
 
-std::vector<Eigen::Index> groups_from_column(const table::Table& table, const std::string& name) {
+std::vector<std::string> labels_of(const table::Table& table, const std::string& name) {
   std::vector<std::string> labels;
   if (is_text(table.column(name)))
     labels = table.texts(name);
   else
-    for (const double value : table.numbers(name)) labels.push_back(shortest(value));
+    for (const double value : table.numbers(name))
+      labels.push_back(std::isnan(value) ? "" : shortest(value));
+  if (const auto missing = std::count(labels.begin(), labels.end(), ""); missing > 0)
+    throw InputError(
+        fmt::format("column {} has no value in {} of {} rows that are used; give each row one, or "
+                    "take those rows out",
+                    name, missing, labels.size()));
+  return labels;
+}
+
+std::vector<Eigen::Index> groups_from_column(const table::Table& table, const std::string& name) {
+  const std::vector<std::string> labels = labels_of(table, name);
   std::map<std::string, Eigen::Index> numbers;
   std::vector<Eigen::Index> groups;
   for (const auto& label : labels)

@@ -52,17 +52,24 @@ std::vector<std::int64_t> outside_range(const std::vector<surrogate::Input>& inp
   return outside;
 }
 
+/// A value that is not finite, as the deviation where the data determine nothing, is missing.
+std::vector<double> cells_of(const Vector& values) {
+  std::vector<double> cells(values.begin(), values.end());
+  for (double& value : cells)
+    if (!std::isfinite(value)) value = std::nan("");
+  return cells;
+}
+
 /// Of the standard deviations those that the model knows.
 Columns predicted_columns(const surrogate::Regressor& model, const Matrix& x) {
   if (const auto* process = surrogate::gaussian_process(model))
     return gaussian_process_columns(*process, x);
-  const auto values = [](const Vector& v) { return std::vector<double>(v.begin(), v.end()); };
   const surrogate::Predictions p = model.predict_with_variances(x);
-  Columns columns{{"predicted", values(p.mean)}};
+  Columns columns{{"predicted", cells_of(p.mean)}};
   if (p.function_variance.size() > 0)
-    columns.emplace_back("function_sd", values(p.function_variance.cwiseSqrt()));
+    columns.emplace_back("function_sd", cells_of(p.function_variance.cwiseSqrt()));
   if (p.observation_variance.size() > 0)
-    columns.emplace_back("observation_sd", values(p.observation_variance.cwiseSqrt()));
+    columns.emplace_back("observation_sd", cells_of(p.observation_variance.cwiseSqrt()));
   columns.emplace_back("outside_range", outside_range(model.inputs(), x));
   return columns;
 }

@@ -7,7 +7,6 @@
 #include <map>
 
 #include "model_columns.hpp"
-#include "repose/base/text.hpp"
 #include "repose/table/io.hpp"
 
 namespace repose::cli {
@@ -42,14 +41,9 @@ table::Table usable_rows(const table::Table& table, const std::string& response)
 /// A number for each different value of a column, in order of their first rows.
 std::vector<Eigen::Index> numbered(const table::Table& table, const std::string& name,
                                    std::vector<std::string>& labels) {
-  std::vector<std::string> values;
-  if (is_text(table.column(name)))
-    values = table.texts(name);
-  else
-    for (const double value : table.numbers(name)) values.push_back(shortest(value));
   std::vector<Eigen::Index> numbers;
   std::map<std::string, Eigen::Index> known;
-  for (const auto& value : values) {
+  for (const auto& value : labels_of(table, name)) {
     const auto [at, is_new] = known.try_emplace(value, static_cast<Eigen::Index>(labels.size()));
     if (is_new) labels.push_back(value);
     numbers.push_back(at->second);
