@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The draw-down at the thesis' scale (dem/drawdown_thesis.toml), timed while it fills or while it flows:
-# bench/drawdown.sh fill|flow [STEPS [RANKS]]   flow simulates 0.7 s first: half an hour on two processes.
+# bench/drawdown.sh fill|flow [STEPS [RANKS]]   flow simulates 0.6 s first, some ten minutes on two processes.
 set -euo pipefail
 which=$1 steps=${2:-2000} ranks=${3:-2}
 here=$(cd "$(dirname "$0")" && pwd)
@@ -8,5 +8,5 @@ build=${BUILD:-$here/../build/release/bin}
 launch=()
 if [ "$ranks" -gt 1 ]; then launch=(mpirun --allow-run-as-root --oversubscribe --bind-to none -np "$ranks"); fi
 when=(--until 0.1)
-if [ "$which" = flow ]; then when=(--open gate --open-at 0.4 --until 0.7); fi
+if [ "$which" = flow ]; then when=(--open gate --open-at 0.4 --until 0.6); fi
 "${launch[@]}" "$build/repose_dem_rate" "$here/dem/drawdown_thesis.toml" "$steps" "${when[@]}"
