@@ -171,6 +171,13 @@ std::size_t count_of(const std::string& part, const std::string& text) {
   return count;
 }
 
+/// Libraries may complain of the machine in lines of their own.
+void expect_one_message(const std::string& messages) {
+  EXPECT_EQ(count_of("repose-dem", messages), 1u) << messages;
+  EXPECT_EQ(count_of("mpirun", messages), 0u) << messages;
+  EXPECT_EQ(count_of("-----", messages), 0u) << messages;
+}
+
 TEST(Ranks, SayOnceWhatWentWrongOnOneOfThem) {
   scene::Case c = empty_case({.youngs_modulus = 5e6});
   for (int k = 0; k < 8; ++k)
@@ -179,7 +186,7 @@ TEST(Ranks, SayOnceWhatWentWrongOnOneOfThem) {
   const auto [code, messages] = failure_of(c);
   EXPECT_EQ(code, 5);
   EXPECT_EQ(count_of("sphere 6 left the domain", messages), 1u) << messages;
-  EXPECT_EQ(count_of("\n", messages), 1u) << messages;
+  expect_one_message(messages);
 }
 
 TEST(Ranks, SayOnceThatACaseIsWrong) {
@@ -189,7 +196,7 @@ TEST(Ranks, SayOnceThatACaseIsWrong) {
   const auto [code, messages] = failure_of(c);
   EXPECT_EQ(code, 3);
   EXPECT_EQ(count_of("overlaps", messages), 1u) << messages;
-  EXPECT_EQ(count_of("\n", messages), 1u) << messages;
+  expect_one_message(messages);
 }
 
 TEST(Ranks, FollowCtrlCAndWriteACheckpointWhenAsked) {
@@ -228,7 +235,7 @@ TEST(Ranks, FailTogetherWhereRootCannotWrite) {
   EXPECT_EQ(end_of(start(folder.path / "case.toml", folder.path / "file" / "run",
                          {.messages = messages, .options = on(2)})),
             6);
-  EXPECT_EQ(count_of("\n", read_file(messages)), 1u) << read_file(messages);
+  expect_one_message(read_file(messages));
 }
 
 TEST(Ranks, MoreThanBodiesStillSimulate) {
