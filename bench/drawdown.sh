@@ -4,9 +4,6 @@
 set -euo pipefail
 which=$1 steps=${2:-2000} ranks=${3:-2}
 here=$(cd "$(dirname "$0")" && pwd)
-build=${BUILD:-$here/../build/release/bin}
-launch=()
-if [ "$ranks" -gt 1 ]; then launch=(mpirun --allow-run-as-root --oversubscribe --bind-to none -np "$ranks"); fi
 when=(--until 0.1)
 if [ "$which" = flow ]; then when=(--open gate --open-at 0.4 --until 0.6); fi
-"${launch[@]}" "$build/repose_dem_rate" "$here/dem/drawdown_thesis.toml" "$steps" "${when[@]}"
+"$here/dem/rate.sh" "$ranks" "$here/dem/drawdown_thesis.toml" "$steps" "${when[@]}"

@@ -3,7 +3,6 @@
 set -euo pipefail
 steps=${1:-1000}
 here=$(cd "$(dirname "$0")" && pwd)
-build=${BUILD:-$here/../build/release/bin}
 dir=$(mktemp -d); trap 'rm -rf "$dir"' EXIT
 zcat "$here/dem/bed_29520.csv.gz" > "$dir/bed.csv"
 rectangle() {
@@ -15,4 +14,4 @@ rectangle() {
       -e '/^name = "floor"/,/^normal/ s/^origin_m = .*/origin_m = [0.0, 0.0, -1.0]/' "$here/dem/bed.toml"
   rectangle left 0.0 0.085; rectangle gate 0.085 0.08; rectangle right 0.165 0.085
 } > "$dir/flow.toml"
-"$build/repose_dem_rate" "$dir/flow.toml" "$steps" --time-step 1e-5 --open gate --until 0.1
+"$here/dem/rate.sh" 1 "$dir/flow.toml" "$steps" --time-step 1e-5 --open gate --until 0.1

@@ -5,15 +5,9 @@ set -euo pipefail
 rounds=${1:-5} steps=${2:-500}; shift $(( $# < 2 ? $# : 2 ))
 [ $# -gt 0 ] || set -- 1 2
 here=$(cd "$(dirname "$0")" && pwd)
-build=${BUILD:-$here/../build/release/bin}
 dir=$(mktemp -d); trap 'rm -rf "$dir"' EXIT
 zcat "$here/dem/bed_29520.csv.gz" > "$dir/bed.csv"
 cp "$here/dem/bed.toml" "$dir/bed.toml"
-launch() { # ranks, case
-  local prefix=()
-  if [ "$1" -gt 1 ]; then prefix=(mpirun --allow-run-as-root --oversubscribe --bind-to none -np "$1"); fi
-  "${prefix[@]}" "$build/repose_dem_rate" "$2" "$steps" --time-step 1e-5
-}
 for ranks in "$@"; do
   awk -F, -v n="$ranks" 'NR == 1 { print; next } { for (k = 0; k < n; ++k) printf "%.10g,%s,%s,%s\n", $1 + 0.25 * k, $2, $3, $4 }' \
     "$dir/bed.csv" > "$dir/beds_$ranks.csv"
@@ -23,7 +17,7 @@ for ranks in "$@"; do
 done
 for ((round = 0; round < rounds; ++round)); do
   for ranks in "$@"; do
-    echo "strong $(launch "$ranks" "$dir/bed.toml")"
-    echo "weak $(launch "$ranks" "$dir/beds_$ranks.toml")"
+    echo "strong $("$here/dem/rate.sh" "$ranks" "$dir/bed.toml" "$steps" --time-step 1e-5)"
+    echo "weak $("$here/dem/rate.sh" "$ranks" "$dir/beds_$ranks.toml" "$steps" --time-step 1e-5)"
   done
 done

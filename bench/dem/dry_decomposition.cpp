@@ -80,7 +80,7 @@ Spread spread_of(const Values& values) {
 void count(const Bed& bed, double skin, double spheres_per_rank, int ranks) {
   const double wanted = spheres_per_rank * ranks;
   const auto tiles = static_cast<int>(std::ceil(wanted / static_cast<double>(bed.spheres.size())));
-  // A heap as wide as deep: the bed is repeated in x and y, and twice as often as high in z.
+  // Repeated along the side that is shortest so far.
   int along[3] = {1, 1, 1};
   const Vec3 side = bed.upper - bed.lower;
   while (along[0] * along[1] * along[2] < tiles) {

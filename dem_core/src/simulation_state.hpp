@@ -131,7 +131,7 @@ struct Simulation::State {
   void let_rain_fall();
   void occupy(const scene::Rain& rain, double largest, OccupiedSpace& occupied);
   double rain_time_s(const scene::Rain& rain) const;
-  void remove_what_is_in_sinks();
+  void remove_from_all(const std::vector<std::int32_t>& here);
   std::vector<std::int32_t> bodies_in_sinks() const;
   void remove(const std::vector<std::int32_t>& bodies);
   ClearOfWalls clear_of_walls() const;

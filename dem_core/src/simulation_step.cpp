@@ -142,13 +142,13 @@ std::vector<std::int32_t> Simulation::State::bodies_in_sinks() const {
   return bodies;
 }
 
-void Simulation::State::remove_what_is_in_sinks() {
+/// Takes these bodies of this process, and those of the others, out of all processes.
+void Simulation::State::remove_from_all(const std::vector<std::int32_t>& here) {
   struct Removed {
     std::int32_t body;
     double mass_kg, mechanical_j;
     bool operator<(const Removed& other) const { return body < other.body; }
   };
-  const std::vector<std::int32_t> here = bodies_in_sinks();
   const auto is_here = [&](std::int32_t body) {
     return std::binary_search(here.begin(), here.end(), body);
   };
@@ -224,8 +224,10 @@ void Simulation::State::one_step() {
     check_places(of_spheres, of_clumps);
     check_displacement(moved_here);
   });
-  const Agreed agreed = agree(moved_here, !sinks.empty() && !bodies_in_sinks().empty());
-  if (agreed.removes) remove_what_is_in_sinks();
+  const std::vector<std::int32_t> sunk =
+      sinks.empty() ? std::vector<std::int32_t>{} : bodies_in_sinks();
+  const Agreed agreed = agree(moved_here, !sunk.empty());
+  if (agreed.removes) remove_from_all(sunk);
   wrapped_kg_m.add(of_spheres.moved_kg_m);
   wrapped_kg_m.add(of_clumps.moved_kg_m);
   walls.advance(time_s(), dt);

@@ -195,6 +195,7 @@ void add_compare(CLI::App& app) {
       add_command(app, "compare", "Every model on the same folds of a table, best first",
                   "repose compare runs.h5 --response shear_angle_deg --figures figures", o->common);
   add_training_columns(command, &o->columns);
+  add_replicate_column(command, &o->columns);
   command->add_option("--group", o->columns.group, "column: each of its groups is left out once");
   command->add_option("--model", o->validation.models, "names; else all ('?' lists them)")
       ->delimiter(',');

@@ -155,6 +155,7 @@ void add_cv(CLI::App& app) {
                               "           --outer leave-group-out:layering --inner kfold:10",
                               o->common);
   add_training_columns(command, &o->columns);
+  add_replicate_column(command, &o->columns);
   command
       ->add_option("--model", o->validation.models,
                    "names, as in repose compare; with --optimise also svm, tree, ...")

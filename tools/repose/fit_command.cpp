@@ -7,12 +7,11 @@
 
 #include "command.hpp"
 #include "fit_trees.hpp"
-#include "model_columns.hpp"
 #include "repose/base/error.hpp"
 #include "repose/surrogate/presets.hpp"
 #include "repose/surrogate/selection.hpp"
 #include "repose/surrogate/tuning.hpp"
-#include "repose/table/io.hpp"
+#include "training_data.hpp"
 
 namespace repose::cli {
 namespace {
@@ -20,12 +19,11 @@ namespace {
 using surrogate::GaussianProcess;
 using surrogate::GaussianProcessOptions;
 
+constexpr std::string_view kNoiseColumn = "column:";
+
 struct FitOptions {
   CommonOptions common;
-  std::string table;
-  std::string response;
-  std::vector<std::string> inputs;
-  std::vector<std::string> log_inputs;
+  TrainingColumns columns;
   std::vector<std::string> bounds;
   std::string model = "gpr";
   std::string kernel = "ard-matern52";
@@ -35,8 +33,6 @@ struct FitOptions {
   std::string prior;
   std::string parameter_uncertainty = "first-order";
   std::string response_scale = "linear";
-  std::string coding = "exchangeable";
-  std::string group;
   std::string output;
   bool select = false;
   int optimise = 0;
@@ -45,40 +41,14 @@ struct FitOptions {
   std::uint64_t seed = 1;
 };
 
-/// Columns named on the command line, or those with the role factor, or all numbers but the
-/// response and what describes it.
-std::vector<std::string> inputs_of(const table::Table& table, const FitOptions& options) {
-  if (!options.inputs.empty()) return options.inputs;
-  auto names = table.names_with_role(table::Role::factor);
-  if (names.empty())
-    for (const auto& c : table.columns())
-      if (c.role == table::Role::none && c.name != options.response && c.name != options.group &&
-          "column:" + c.name != options.noise &&
-          !std::holds_alternative<std::vector<std::string>>(c.values))
-        names.push_back(c.name);
-  if (names.empty())
-    throw InputError("the table has no column to predict from; name them with --input");
-  return names;
-}
-
-/// Rows in which the response is not missing.
-table::Table usable_rows(const table::Table& table, const std::string& response) {
-  const auto y = table.numbers(response);
-  std::vector<std::size_t> rows;
-  for (std::size_t i = 0; i < y.size(); ++i)
-    if (!std::isnan(y[i])) rows.push_back(i);
-  if (rows.empty()) throw InputError(fmt::format("column {} has no value", response));
-  return table.selected_rows(rows);
-}
-
 Vector vector_of(const std::vector<double>& values) {
   return Eigen::Map<const Vector>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
 void set_noise(GaussianProcessOptions& gp, const std::string& text, const table::Table& table) {
-  if (text.starts_with("column:")) {
+  if (text.starts_with(kNoiseColumn)) {
     gp.noise = surrogate::Noise::known;
-    gp.noise_variances = vector_of(table.numbers(text.substr(7)));
+    gp.noise_variances = vector_of(table.numbers(text.substr(kNoiseColumn.size())));
   } else {
     gp.noise = text == "none"       ? surrogate::Noise::none
                : text == "by-point" ? surrogate::Noise::by_point
@@ -140,33 +110,21 @@ struct Fitted {
   std::size_t best_trial = 0;
 };
 
-/// The rows of the table that can be fitted to.
-struct FitData {
-  table::Table table;
-  std::vector<std::string> names;  ///< of the inputs
-  surrogate::TrainingSet set;
-};
-
-FitData read_data(const FitOptions& options) {
-  FitData data{
-      usable_rows(table::read_table(table::parse_location(options.table), table::Missing::allow),
-                  options.response),
-      {},
-      {}};
-  data.names = inputs_of(data.table, options);
-  data.set.inputs = inputs_from_columns(
-      data.table, data.names, options.log_inputs,
-      named(options.coding, {surrogate::Coding::label, surrogate::Coding::one_hot,
-                             surrogate::Coding::exchangeable}));
-  data.set.x = input_matrix(data.table, data.names, data.set.inputs);
-  data.set.y = vector_of(data.table.numbers(options.response));
-  if (!options.group.empty()) data.set.groups = groups_from_column(data.table, options.group);
+TrainingTable read_data(const FitOptions& options) {
+  TrainingColumns columns = options.columns;
+  if (options.noise.starts_with(kNoiseColumn))
+    columns.noise = options.noise.substr(kNoiseColumn.size());
+  TrainingTable data = read_training_table(columns);
+  if (data.group_names.size() == 1)
+    throw InputError(fmt::format(
+        "column {} has one value in all rows; leaving a group out needs two", columns.group));
   return data;
 }
 
-Fitted tune(const FitData& data, const GaussianProcessOptions& gp, const FitOptions& options) {
+Fitted tune(const TrainingTable& table, const GaussianProcessOptions& gp,
+            const FitOptions& options) {
   ProgressDisplay display("settings tried", options.common.progress_style());
-  const auto& [x, y, inputs, weights, groups, replicates] = data.set;
+  const auto& [x, y, inputs, weights, groups, replicates] = table.data;
   surrogate::TuningOptions tuning{.evaluations = options.optimise,
                                   .initial_points = std::min(4, options.optimise),
                                   .groups = groups,
@@ -178,18 +136,25 @@ Fitted tune(const FitData& data, const GaussianProcessOptions& gp, const FitOpti
     tuning.folds = std::min(tuning.folds, static_cast<int>(last) + 1);
   }
   auto tuned = surrogate::tune_model(x, y, inputs, gp, tuning);
-  return {
-      {tuned.model, data.names, options.response}, {}, groups, std::move(tuned.trials), tuned.best};
+  return {{tuned.model, table.inputs, options.columns.response},
+          {},
+          groups,
+          std::move(tuned.trials),
+          tuned.best};
 }
 
-Fitted fit_model(const FitData& data, const FitOptions& options) {
-  const auto& [x, y, inputs, weights, groups, replicates] = data.set;
-  const auto gp = model_options(options, data.table, data.names);
-  if (options.optimise > 0) return tune(data, gp, options);
+Fitted fit_model(const TrainingTable& table, const FitOptions& options) {
+  const auto& [x, y, inputs, weights, groups, replicates] = table.data;
+  const auto gp = model_options(options, table.rows, table.inputs);
+  if (options.optimise > 0) return tune(table, gp, options);
   if (!options.select)
-    return {{GaussianProcess::fit(x, y, inputs, gp), data.names, options.response}, {}, groups};
+    return {{GaussianProcess::fit(x, y, inputs, gp), table.inputs, options.columns.response},
+            {},
+            groups};
   auto selection = surrogate::select_model(x, y, inputs, gp, {.groups = groups, .threads = 0});
-  return {{selection.model, data.names, options.response}, std::move(selection.candidates), groups};
+  return {{selection.model, table.inputs, options.columns.response},
+          std::move(selection.candidates),
+          groups};
 }
 
 /// What a parameter is, in words of the table.
@@ -331,11 +296,11 @@ FitMethod chosen_method(const FitOptions& options) {
 }
 
 void fit(const FitOptions& options) {
-  const FitData data = read_data(options);
+  const TrainingTable table = read_data(options);
   if (options.model != "gpr")
-    return fit_regressor(chosen_method(options), data.set, data.names, options.response,
+    return fit_regressor(chosen_method(options), table.data, table.inputs, options.columns.response,
                          options.seed, options.output, options.common);
-  const Fitted fitted = fit_model(data, options);
+  const Fitted fitted = fit_model(table, options);
   surrogate::save_model(options.output, fitted.named);
   const auto& model = fitted.named.model;
   const auto out =
@@ -367,7 +332,7 @@ void add_model_options(CLI::App* command, FitOptions* o) {
       ->add_option("--optimise", o->optimise,
                    "tune kernel, basis, noise and scaling by that many cross-validations")
       ->check(CLI::Range(2, 100000));
-  command->add_option("--group", o->group, "column whose groups are left out together");
+  command->add_option("--group", o->columns.group, "column whose groups are left out together");
   command
       ->add_option("--noise", o->noise,
                    "estimated, none, by-point (repeats), column:NAME (variances)")
@@ -375,7 +340,7 @@ void add_model_options(CLI::App* command, FitOptions* o) {
       ->check(CLI::Validator(
           [](const std::string& s) {
             const bool known = s == "estimated" || s == "none" || s == "by-point";
-            return known || s.starts_with("column:")
+            return known || s.starts_with(kNoiseColumn)
                        ? std::string()
                        : "'" + s + "' is not estimated, none, by-point or column:NAME";
           },
@@ -404,17 +369,7 @@ void add_fit(CLI::App& app) {
   auto* command =
       add_command(app, "fit", "Fits a surrogate of one column of a table",
                   "repose fit quick/runs.h5 --response shear_angle_deg -o shear.h5", o->common);
-  command->add_option("TABLE", o->table, "FILE.h5, FILE.h5:/group or FILE.csv")->required();
-  command->add_option("--response", o->response, "column to predict")->required();
-  command
-      ->add_option("--input", o->inputs,
-                   "columns to predict from (text: categories); else the factors")
-      ->delimiter(',');
-  command->add_option("--log", o->log_inputs, "inputs on a log scale, besides those declared so")
-      ->delimiter(',');
-  command->add_option("--coding", o->coding, "of categories")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"label", "one-hot", "exchangeable"}));
+  add_training_columns(command, &o->columns);
   add_model_options(command, o.get());
   add_tree_options(command, &o->trees);
   command->add_option("--starts", o->starts, "of the likelihood's search")

@@ -11,6 +11,7 @@
 #include "repose/surrogate/bagged_trees.hpp"
 #include "repose/surrogate/boosted_trees.hpp"
 #include "repose/surrogate/cross_validation.hpp"
+#include "validation.hpp"
 
 namespace repose::cli {
 namespace {
@@ -121,10 +122,6 @@ std::vector<std::size_t> ranking(const std::vector<Importance>& importance) {
     return importance[a].increase > importance[b].increase;
   });
   return order;
-}
-
-nlohmann::json number_or_null(double value) {
-  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
 }
 
 void print_json(const std::string& kind, const NamedRegressor& named, const Judgement& judgement,

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <set>
 
 #include "repose/base/error.hpp"
@@ -101,19 +100,6 @@ std::vector<std::string> labels_of(const table::Table& table, const std::string&
                     "take those rows out",
                     name, missing, labels.size()));
   return labels;
-}
-
-std::vector<Eigen::Index> groups_from_column(const table::Table& table, const std::string& name) {
-  const std::vector<std::string> labels = labels_of(table, name);
-  std::map<std::string, Eigen::Index> numbers;
-  std::vector<Eigen::Index> groups;
-  for (const auto& label : labels)
-    groups.push_back(
-        numbers.try_emplace(label, static_cast<Eigen::Index>(numbers.size())).first->second);
-  if (numbers.size() < 2)
-    throw InputError(
-        fmt::format("column {} has one value in all rows; leaving a group out needs two", name));
-  return groups;
 }
 
 }  // namespace repose::cli

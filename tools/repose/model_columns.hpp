@@ -24,8 +24,4 @@ Matrix input_matrix(const table::Table& table, const std::vector<std::string>& n
 /// A column's values, numbers as text. Throws InputError where one is missing.
 std::vector<std::string> labels_of(const table::Table& table, const std::string& name);
 
-/// Numbers of the groups that a column (text or numbers) divides the rows into. Throws
-/// InputError where a value is missing and where there is a single group.
-std::vector<Eigen::Index> groups_from_column(const table::Table& table, const std::string& name);
-
 }  // namespace repose::cli

@@ -22,7 +22,7 @@ std::vector<std::string> input_names(const table::Table& table, const TrainingCo
   if (names.empty())
     for (const auto& c : table.columns())
       if (c.role == table::Role::none && c.name != columns.response && c.name != columns.group &&
-          c.name != columns.replicate && !is_text(c))
+          c.name != columns.replicate && c.name != columns.noise && !is_text(c))
         names.push_back(c.name);
   if (names.empty())
     throw InputError("the table has no column to predict from; name them with --input");
@@ -66,15 +66,19 @@ void add_training_columns(CLI::App* command, TrainingColumns* columns) {
   command->add_option("--coding", columns->coding, "of categories")
       ->capture_default_str()
       ->check(CLI::IsMember({"label", "one-hot", "exchangeable"}));
+}
+
+void add_replicate_column(CLI::App* command, TrainingColumns* columns) {
   command->add_option("--replicate", columns->replicate,
                       "column whose equal values repeat a point; else rows with equal inputs");
 }
 
 TrainingTable read_training_table(const TrainingColumns& columns) {
-  const auto table =
-      usable_rows(table::read_table(table::parse_location(columns.table), table::Missing::allow),
-                  columns.response);
-  TrainingTable result{.inputs = input_names(table, columns)};
+  TrainingTable result{.rows = usable_rows(table::read_table(table::parse_location(columns.table),
+                                                             table::Missing::allow),
+                                           columns.response)};
+  const table::Table& table = result.rows;
+  result.inputs = input_names(table, columns);
   surrogate::TrainingSet& data = result.data;
   data.inputs = inputs_from_columns(
       table, result.inputs, columns.log_inputs,

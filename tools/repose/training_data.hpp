@@ -19,12 +19,16 @@ struct TrainingColumns {
   std::string coding = "exchangeable";
   std::string group;      ///< column, or empty
   std::string replicate;  ///< column, or empty
+  std::string noise;      ///< column of variances, which is no input by itself, or empty
 };
 
-/// TABLE, --response, --input, --log, --coding and --replicate.
+/// TABLE, --response, --input, --log and --coding.
 void add_training_columns(CLI::App* command, TrainingColumns* columns);
+/// --replicate.
+void add_replicate_column(CLI::App* command, TrainingColumns* columns);
 
 struct TrainingTable {
+  table::Table rows;  ///< those that are used, with all columns
   surrogate::TrainingSet data;
   std::vector<std::string> inputs;       ///< names
   std::vector<bool> undeclared;          ///< inputs whose range is that of the data

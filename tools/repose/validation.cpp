@@ -34,10 +34,6 @@ bool searches(const std::string& model) {
   return found != presets.end() && found->searched;
 }
 
-nlohmann::json number(double value) {
-  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
-}
-
 }  // namespace
 
 surrogate::Trainer trainer_of(const std::string& model, const TrainingTable& table,
@@ -87,10 +83,17 @@ std::string described(const std::string& name, const std::string& description) {
   return text + line + "\n";
 }
 
+nlohmann::json number_or_null(double value) {
+  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
+}
+
 nlohmann::json to_json(const surrogate::Metrics& m) {
-  return {{"rows", m.rows},       {"rmse", number(m.rmse)},
-          {"r2", number(m.r2)},   {"squared_correlation", number(m.squared_correlation)},
-          {"mae", number(m.mae)}, {"negative_log_density", number(m.negative_log_density)}};
+  return {{"rows", m.rows},
+          {"rmse", number_or_null(m.rmse)},
+          {"r2", number_or_null(m.r2)},
+          {"squared_correlation", number_or_null(m.squared_correlation)},
+          {"mae", number_or_null(m.mae)},
+          {"negative_log_density", number_or_null(m.negative_log_density)}};
 }
 
 nlohmann::json to_json(const surrogate::FoldResult& fold) {

@@ -35,7 +35,8 @@ std::string cell(double value, const char* format = "{:.4g}");
 /// "NAME: description", lines of at most 100 columns.
 std::string described(const std::string& name, const std::string& description);
 
-/// Numbers that are not finite are null.
+/// Null where it is not finite.
+nlohmann::json number_or_null(double value);
 nlohmann::json to_json(const surrogate::Metrics& metrics);
 nlohmann::json to_json(const surrogate::FoldResult& fold);
 

@@ -69,8 +69,4 @@ inline std::vector<std::int32_t> short_integers(const table::Table& table,
   return {values.begin(), values.end()};
 }
 
-inline std::vector<double> components(const Vec3& v) {
-  return {v.x(), v.y(), v.z()};
-}
-
 }  // namespace repose::dem

@@ -13,15 +13,24 @@ std::size_t index(std::int32_t i) {
   return static_cast<std::size_t>(i);
 }
 
-ContactHistory seen_from_the_other(const ContactHistory& history) {
-  return {-history.slip, -history.rolling};
-}
-
 std::pair<std::int32_t, std::int32_t> ids_of(const ContactRecord& record) {
   return {record.first, record.second};
 }
 
 }  // namespace
+
+ContactHistory seen_from_the_other(const ContactHistory& history) {
+  return {-history.slip, -history.rolling};
+}
+
+ContactRecord contact_record(const Neighbor& neighbor, const Spheres& spheres,
+                             const ContactPool& pool) {
+  const Contact& contact = pool.at(neighbor.contact);
+  const std::int32_t a = spheres.id[index(neighbor.row)];
+  const std::int32_t b = spheres.id[index(neighbor.other)];
+  if (a < b) return {a, b, contact.history, contact.stored_j};
+  return {b, a, seen_from_the_other(contact.history), contact.stored_j};
+}
 
 std::vector<ContactRecord> contact_records(const Spheres& spheres, const NeighborList& pairs,
                                            const ContactPool& pool) {
@@ -31,13 +40,7 @@ std::vector<ContactRecord> contact_records(const Spheres& spheres, const Neighbo
     for (std::int32_t p = pairs.first[i]; p < pairs.first[i + 1]; ++p) {
       const Neighbor& neighbor = pairs.entries[index(p)];
       if (neighbor.contact == kNoContact || spheres.is_ghost(i)) continue;
-      const Contact& contact = pool.at(neighbor.contact);
-      const std::int32_t a = spheres.id[i];
-      const std::int32_t b = spheres.id[index(neighbor.other)];
-      if (a < b)
-        records.push_back({a, b, contact.history, contact.stored_j});
-      else
-        records.push_back({b, a, seen_from_the_other(contact.history), contact.stored_j});
+      records.push_back(contact_record(neighbor, spheres, pool));
     }
   sort(records);
   return records;

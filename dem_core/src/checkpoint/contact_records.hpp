@@ -14,6 +14,13 @@ struct ContactRecord {
   double stored_j;
 };
 
+/// A contact as the other sphere of the pair sees it.
+ContactHistory seen_from_the_other(const ContactHistory& history);
+
+/// The record of a neighbor that touches.
+ContactRecord contact_record(const Neighbor& neighbor, const Spheres& spheres,
+                             const ContactPool& pool);
+
 /// All contacts of pairs whose first sphere is simulated here, by ascending ids.
 std::vector<ContactRecord> contact_records(const Spheres& spheres, const NeighborList& pairs,
                                            const ContactPool& pool);

@@ -58,10 +58,9 @@ class Stopwatch {
 std::optional<Checkpoint> checkpoint_of(const scene::Case& scene,
                                         const std::filesystem::path& run_dir, Start start) {
   const std::filesystem::path file = scene::checkpoint_file(run_dir);
-  bool is_there = false;
-  const Communicator ranks = Communicator::of_launcher();
-  ranks.on_root([&] { is_there = start != Start::anew && std::filesystem::exists(file); });
-  if (ranks.broadcast(std::string(is_there ? "there" : "")).empty()) return std::nullopt;
+  const bool is_there = Communicator::of_launcher().ask_root(
+      [&] { return start != Start::anew && std::filesystem::exists(file); });
+  if (!is_there) return std::nullopt;
   Checkpoint checkpoint = read_checkpoint(file);
   try {
     require_same_case(checkpoint, scene);
@@ -208,7 +207,7 @@ class Runner {
     sim_->begin_stage(stage.name);
     now_.last_step = sim_->steps() + steps_of(stage.duration_s, dt_);
     StageWatch watch(scene_, stage, sim_->time_s());
-    ends(watch, stage);
+    watch.ends_with(now_.last_row, rest_scale_j(stage));
     return watch;
   }
 
@@ -222,7 +221,7 @@ class Runner {
       const bool is_last = sim_->steps() == now_.last_step;
       if (sim_->steps() % series_every_ == 0 || is_last) {
         add_rows();
-        reason = ends(watch, stage);
+        reason = watch.ends_with(now_.last_row, rest_scale_j(stage));
       }
       if (reason.empty() && is_last) reason = "duration";
       if (!reason.empty() || (snapshot_every_ > 0 && sim_->steps() % snapshot_every_ == 0)) {
@@ -236,13 +235,6 @@ class Runner {
         "contacts, largest overlap so far {:.3g} of the radius",
         stage.name, sim_->time_s(), reason, sim_->ledger().alive, now_.last_row.kinetic_energy_j,
         now_.last_row.contacts, now_.deepest.overlap.ratio()));
-  }
-
-  /// Why the stage ends with the row just written; empty if it does not.
-  std::string ends(StageWatch& watch, const scene::Stage& stage) {
-    std::string reason;
-    ranks_.on_root([&] { reason = watch.ends_with(now_.last_row, rest_scale_j(stage)); });
-    return ranks_.broadcast(reason);
   }
 
   /// Nothing is at rest as long as rain is to fall.
@@ -320,15 +312,17 @@ class Runner {
     row.max_overlap_ratio = overlap.ratio();
     row.contacts = static_cast<std::int64_t>(sim_->contacts());
     row.region_mass_kg = sums.region_mass_kg;
-    add_row(row);
-    if (!scene_.walls.empty() && sim_->steps() > 0) add_row(wall_row_of(*sim_));
-    add_row(scene::ContactRow{sim_->time_s(), sim_->contact_statistics()});
-    if (scene_.output.energy) add_row(sim_->energy());
-  }
-
-  template <class Row>
-  void add_row(const Row& row) {
-    ranks_.on_root([&] { writer_->add_row(row); });
+    std::optional<scene::WallRow> walls;
+    if (!scene_.walls.empty() && sim_->steps() > 0) walls = wall_row_of(*sim_);
+    const scene::ContactRow contacts{sim_->time_s(), sim_->contact_statistics()};
+    std::optional<scene::EnergyRow> energy;
+    if (scene_.output.energy) energy = sim_->energy();
+    ranks_.on_root([&] {
+      writer_->add_row(row);
+      if (walls) writer_->add_row(*walls);
+      writer_->add_row(contacts);
+      if (energy) writer_->add_row(*energy);
+    });
   }
 
   /// Warns when contacts are soft for the first time; once more at the end, of the deepest.
@@ -427,11 +421,11 @@ scene::RunSummary run_case_into_file(const scene::Case& scene, const std::filesy
   std::optional<scene::RunSummary> summary;
   {
     std::optional<RunLock> lock;  // root's
-    ranks.on_root([&] {
+    const bool is_finished = ranks.ask_root([&] {
       lock.emplace(parts);
       if (control.start == Start::where_stopped) summary = finished_run(scene, parts / "run.h5");
+      return summary.has_value();
     });
-    const bool is_finished = !ranks.broadcast(std::string(summary ? "finished" : "")).empty();
     if (!is_finished) summary = Runner(scene, parts, control).run();
     ranks.on_root([&] {
       put_in_place(parts / "run.h5", file);

@@ -150,14 +150,6 @@ Bytes Communicator::broadcast(Bytes bytes) const {
   return bytes;
 }
 
-std::string Communicator::broadcast(std::string text) const {
-  if (is_alone()) return text;
-  Packer out;
-  out.put_text(text);
-  const Bytes bytes = broadcast(out.take());
-  return Unpacker(bytes).get_text();
-}
-
 std::vector<Bytes> Communicator::gather(const Bytes& mine) const {
   std::vector<Bytes> to(static_cast<std::size_t>(size_));
   to[0] = mine;
@@ -243,6 +235,13 @@ void Communicator::on_root(const std::function<void()>& act) const {
     std::rethrow_exception(error);
   }
   if (!told.empty()) throw_packed(told);
+}
+
+bool Communicator::ask_root(const std::function<bool()>& question) const {
+  double answer[1] = {0.0};
+  on_root([&] { answer[0] = question() ? 1.0 : 0.0; });
+  maximize(answer);
+  return answer[0] > 0.0;
 }
 
 bool Communicator::all_know() {

@@ -6,7 +6,6 @@
 #include <exception>
 #include <functional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "parallel/bytes.hpp"
@@ -34,7 +33,6 @@ class Communicator {
   void add_up(std::span<ExactSum> values) const;
 
   /// What root has.
-  std::string broadcast(std::string text) const;
   Bytes broadcast(Bytes bytes) const;
   /// What each rank gave, in the order of ranks: on root (elsewhere nothing), on all.
   std::vector<Bytes> gather(const Bytes& mine) const;
@@ -54,6 +52,8 @@ class Communicator {
   /// Does something on root alone. What it throws is thrown on all ranks, as the same type of
   /// Error.
   void on_root(const std::function<void()>& act) const;
+  /// The same, with an answer that all ranks get.
+  bool ask_root(const std::function<bool()>& question) const;
   /// Throws on all ranks what is pending on the lowest rank where something is.
   void rethrow(const std::exception_ptr& pending) const;
   /// Whether the last of these errors was thrown on all ranks.

@@ -188,10 +188,10 @@ Decomposition::Part Decomposition::part_of(const Box& box, int rank) const {
   return part;
 }
 
-double imbalance(double mine, const Communicator& communicator) {
-  double most[1] = {mine};
+double imbalance(std::int64_t mine, const Communicator& communicator) {
+  double most[1] = {static_cast<double>(mine)};
   communicator.maximize(most);
-  std::int64_t sum[1] = {static_cast<std::int64_t>(mine)};
+  std::int64_t sum[1] = {mine};
   communicator.add_up(sum);
   return sum[0] > 0 ? most[0] * communicator.size() / double(sum[0]) : 1.0;
 }

@@ -53,6 +53,6 @@ class Decomposition {
 };
 
 /// Most costly over mean, of the ranks' costs; 1 if nothing costs anything.
-double imbalance(double mine, const Communicator& communicator);
+double imbalance(std::int64_t mine, const Communicator& communicator);
 
 }  // namespace repose::dem

@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::int32_t kGone = -1;
 
-/// What a body costs in a step, in nanoseconds of a processor of 2023 (profile of bench/bed.sh);
-/// only ratios matter.
+/// What a body costs in a step, about, in nanoseconds (profile of bench/bed.sh); only ratios
+/// matter.
 struct Costs {
   std::int64_t sphere = 10, pair = 7, contact = 23, facet = 100;
 };
@@ -35,21 +35,15 @@ std::vector<std::int64_t> costs_of(const Population& here) {
   return twice;
 }
 
-/// The contact of a pair as the one of the smaller id sees it.
-PairContactRecord contact_record(const Neighbor& neighbor, const Population& here) {
-  const Contact& contact = here.pool.at(neighbor.contact);
-  const std::int32_t a = here.spheres.id[index(neighbor.row)];
-  const std::int32_t b = here.spheres.id[index(neighbor.other)];
-  const ContactHistory& seen = contact.history;
-  if (a < b) return record_of({a, b, seen, contact.stored_j});
-  return record_of({b, a, {-seen.slip, -seen.rolling}, contact.stored_j});
+PairContactRecord packed_contact(const Neighbor& neighbor, const Population& here) {
+  return record_of(contact_record(neighbor, here.spheres, here.pool));
 }
 
 ArrivedContact arrived_contact(const ContactRecord& record, std::int32_t first,
                                std::int32_t second) {
   const ContactHistory& seen = record.history;
   if (first < second) return {first, second, {seen, record.stored_j}};
-  return {second, first, {{-seen.slip, -seen.rolling}, record.stored_j}};
+  return {second, first, {seen_from_the_other(seen), record.stored_j}};
 }
 
 /// Spheres of one size, up to a factor of two, and where a rank has them.
@@ -177,7 +171,7 @@ Parcel Domain::parcel_of(const Population& here) {
   for (const Clump& clump : here.clumps.all) add_clump(clump, here.clumps, here.spheres, parcel);
   for (const Neighbor& neighbor : here.lists.pairs.entries)
     if (neighbor.contact != kNoContact && !here.spheres.is_ghost(index(neighbor.row)))
-      parcel.contacts.push_back(contact_record(neighbor, here));
+      parcel.contacts.push_back(packed_contact(neighbor, here));
   for (const WallContact& contact : here.wall_contacts.all)
     parcel.wall_contacts.push_back(record_of(contact, here.spheres.id[index(contact.sphere)]));
   return parcel;
@@ -196,12 +190,9 @@ std::vector<int> Domain::owners(const Population& here) const {
   return owner;
 }
 
-void Domain::share_out(const Box& box, Population here) {
-  decomposition_ = Decomposition(
-      box, communicator_.is_root() ? weighted_bodies(here) : std::vector<WeightedPoint>{},
-      communicator_.size(), communicator_);
-  ++cuts_;
-  const std::vector<int> owner = owners(here);
+/// Drops all spheres but those of this rank, with their clumps and contacts with walls, which go on
+/// elsewhere. Returns the new index of each, -1 if it is gone.
+std::vector<std::int32_t> Domain::keep_own(const std::vector<int>& owner, Population here) const {
   std::vector<std::int32_t> kept, new_index(owner.size(), kGone);
   for (std::size_t i = 0; i < owner.size(); ++i) {
     if (owner[i] != communicator_.rank()) continue;
@@ -214,12 +205,21 @@ void Domain::share_out(const Box& box, Population here) {
   here.wall_contacts.follow_order(new_index);
   here.spheres.select(kept);
   remove_clumps(new_index, here.spheres, here.clumps);
+  return new_index;
+}
+
+void Domain::share_out(const Box& box, Population here) {
+  decomposition_ = Decomposition(
+      box, communicator_.is_root() ? weighted_bodies(here) : std::vector<WeightedPoint>{},
+      communicator_.size(), communicator_);
+  ++cuts_;
+  keep_own(owners(here), here);
 }
 
 void Domain::balance(const Box& box, const Population& here, double worst) {
   const std::vector<WeightedPoint> bodies = weighted_bodies(here);
-  double cost = 0.0;
-  for (const WeightedPoint& body : bodies) cost += static_cast<double>(body.cost);
+  std::int64_t cost = 0;
+  for (const WeightedPoint& body : bodies) cost += body.cost;
   if (imbalance(cost, communicator_) <= worst) return;
   decomposition_ = Decomposition(box, bodies, communicator_.size(), communicator_);
   ++cuts_;
@@ -247,16 +247,14 @@ std::vector<std::int32_t> Domain::send_away(const std::vector<int>& owner, Popul
     const int of_row = owner[index(neighbor.row)];
     const int of_other = owner[index(neighbor.other)];
     if (leaves(neighbor.row))
-      parcel_for(neighbor.row).contacts.push_back(contact_record(neighbor, here));
+      parcel_for(neighbor.row).contacts.push_back(packed_contact(neighbor, here));
     if (leaves(neighbor.other) && of_other != of_row)
-      parcel_for(neighbor.other).contacts.push_back(contact_record(neighbor, here));
+      parcel_for(neighbor.other).contacts.push_back(packed_contact(neighbor, here));
   }
   for (const WallContact& contact : here.wall_contacts.all)
     if (leaves(contact.sphere))
       parcel_for(contact.sphere)
           .wall_contacts.push_back(record_of(contact, here.spheres.id[index(contact.sphere)]));
-  std::erase_if(here.wall_contacts.all,
-                [&](const WallContact& contact) { return leaves(contact.sphere); });
 
   std::vector<Bytes> out;
   for (const Parcel& parcel : leaving)
@@ -264,16 +262,7 @@ std::vector<std::int32_t> Domain::send_away(const std::vector<int>& owner, Popul
   for (const Bytes& bytes : communicator_.exchange(out))
     if (!bytes.empty()) arrived.push_back(unpacked(bytes));
 
-  std::vector<std::int32_t> kept, new_index(owner.size(), kGone);
-  for (std::size_t i = 0; i < owner.size(); ++i) {
-    if (owner[i] != me) continue;
-    new_index[i] = static_cast<std::int32_t>(kept.size());
-    kept.push_back(static_cast<std::int32_t>(i));
-  }
-  here.spheres.select(kept);
-  remove_clumps(new_index, here.spheres, here.clumps);
-  here.wall_contacts.follow_order(new_index);
-  return new_index;
+  return keep_own(owner, here);
 }
 
 /// Appends as ghosts what of the other ranks may touch a sphere of this one.

@@ -85,6 +85,7 @@ class Domain {
 
  private:
   std::vector<int> owners(const Population& here) const;
+  std::vector<std::int32_t> keep_own(const std::vector<int>& owner, Population here) const;
   std::vector<std::int32_t> send_away(const std::vector<int>& owner, Population here,
                                       std::vector<Parcel>& arrived) const;
   void add_ghosts(const Box& box, double skin, Spheres& spheres);
