@@ -38,7 +38,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 
 TEST(CommandLine, EveryCommandHasHelpWithAnExample) {
   const Workbench bench;
-  for (const char* command : {"", "calibrate", "simulate", "design dsd", "design lhs",
+  for (const char* command : {"", "calibrate", "simulate", "measure", "design dsd", "design lhs",
                               "design check", "screen", "variance", "fit", "predict", "compare",
                               "cv", "sensitivity", "sample", "optimise", "table show"}) {
     const auto said = bench.run("repose", std::string(command) + " --help");

@@ -51,6 +51,7 @@ void add_design_optimal(CLI::App& design);
 void add_design_screening(CLI::App& design);
 void add_design_surface(CLI::App& design);
 void add_fit(CLI::App& app);
+void add_measure(CLI::App& app);
 void add_optimise(CLI::App& app);
 void add_predict(CLI::App& app);
 void add_sample(CLI::App& app);

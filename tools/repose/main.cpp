@@ -30,6 +30,7 @@ int run(int argc, char** argv) {
       "            5 simulation failure, 6 file or storage, 130 stopped by Ctrl-C.");
   add_calibrate(app);
   add_simulate(app);
+  add_measure(app);
   add_design(app);
   add_screen(app);
   add_variance(app);

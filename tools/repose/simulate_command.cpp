@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
+#include "measurement_text.hpp"
 #include "repose/base/error.hpp"
 #include "repose/base/file.hpp"
 #include "repose/base/text.hpp"
@@ -54,22 +55,16 @@ ParameterValues parse_settings(const std::vector<std::string>& settings,
   return values;
 }
 
-void print_measurement(const SimulateOptions& options, const dem_adapter::Measurement& m,
-                       double seconds) {
-  const nlohmann::json json{{"kpis", m.kpis},
-                            {"details", m.details},
-                            {"failure", m.failure},
-                            {"warnings", m.warnings},
-                            {"wall_time_s", seconds}};
+void print_result(const SimulateOptions& options, const dem_adapter::Measurement& m,
+                  double seconds) {
+  auto json = measurement_json(m);
+  json["wall_time_s"] = seconds;
   write_file_atomically(std::filesystem::path(options.output) / "kpis.json", json.dump(2) + "\n");
   if (options.common.json) {
     fmt::print("{}\n", json.dump(2));
     return;
   }
-  for (const auto& [name, value] : m.kpis) fmt::print("{:<24} {:>10.5g}\n", name, value);
-  if (!m.details.empty()) fmt::print("\n");
-  for (const auto& [name, value] : m.details) fmt::print("  {:<28} {:>10.5g}\n", name, value);
-  for (const auto& warning : m.warnings) fmt::print("note: {}\n", warning);
+  print_measurement(m);
   fmt::print("\n{} in {}\n", duration_text(seconds), options.output);
 }
 
@@ -106,7 +101,7 @@ void simulate(const SimulateOptions& options) {
   if (exit.status == dem_adapter::EngineStatus::cancelled) throw dem_adapter::Interrupted();
   if (exit.status != dem_adapter::EngineStatus::finished) throw SimulationError(exit.message);
   const auto measurement = scenario.measure(scene::read_run(directory / "output"));
-  print_measurement(options, measurement, exit.wall_time_s);
+  print_result(options, measurement, exit.wall_time_s);
   if (!measurement.failure.empty()) throw SimulationError(measurement.failure);
 }
 

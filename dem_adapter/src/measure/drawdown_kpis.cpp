@@ -9,6 +9,7 @@
 
 #include "repose/base/error.hpp"
 #include "repose/dem_adapter/drawdown.hpp"
+#include "repose/dem_adapter/edge_angle.hpp"
 #include "repose/dem_adapter/silhouette.hpp"
 
 namespace repose::dem_adapter {
@@ -38,20 +39,6 @@ Silhouettes discs_of(const scene::Snapshot& snapshot) {
     (x.z() < 0.0 ? s.lower : s.upper).push_back({x.x(), x.z(), snapshot.radius_m[i]});
   }
   return s;
-}
-
-/// Distance from the slot's axis at which a half of the heap ends: the first column lower than one
-/// largest diameter (scattered single spheres beyond are left out), or the wall. `side` is -1 or 1.
-double heap_end_m(const Profile& heap, double side, double wall_m, double floor_m,
-                  double diameter_m) {
-  const auto n = static_cast<double>(heap.top_m.size());
-  for (double d = 0.5 * heap.column_m; d < wall_m; d += heap.column_m) {
-    const double column = std::round((side * d - heap.first_x_m) / heap.column_m);
-    if (column < 0.0 || column >= n) break;
-    const double top = heap.top_m[static_cast<std::size_t>(column)];
-    if (std::isnan(top) || top - floor_m < diameter_m) return d;
-  }
-  return wall_m;
 }
 
 /// The lengths that the KPIs need, from the walls of the case that was run: the scenario's own may
@@ -132,6 +119,16 @@ Flow flow_of(const table::Table& series, double opened_s) {
 
 }  // namespace
 
+bool Drawdown::is_of(const scene::Case& scene) {
+  const auto has_stage = [&](const char* name) {
+    return std::any_of(scene.stages.begin(), scene.stages.end(),
+                       [&](const scene::Stage& stage) { return stage.name == name; });
+  };
+  for (const char* wall : {"upper_right", "floor_right", "lower_right", "lower_floor"})
+    if (scene::walls_named(scene, wall).empty()) return false;
+  return has_stage("settle") && has_stage("discharge");
+}
+
 Measurement Drawdown::measure(const scene::Run& run) const {
   Measurement m;
   const auto s = discs_of(run.end_of("discharge"));
@@ -148,32 +145,22 @@ Measurement Drawdown::measure(const scene::Run& run) const {
   }
   const auto [half, slot, wall, floor] = rig_of(run.scene());
   const auto slope = silhouette(s.upper, -half, half, kColumn_m);
-  const auto left = fit_line(slope, -half, -slot), right = fit_line(slope, slot, half);
-  const auto heap = silhouette(s.lower, -wall, wall, kColumn_m);
-  const double end_left = heap_end_m(heap, -1.0, wall, floor, s.largest_diameter_m);
-  const double end_right = heap_end_m(heap, 1.0, wall, floor, s.largest_diameter_m);
-  const auto heap_left = fit_line(heap, -end_left, 0.0),
-             heap_right = fit_line(heap, 0.0, end_right);
-  // Downwards to the slot above, upwards to the axis below: a slope of the wrong sign counts
-  // negative.
-  const auto signed_angle = [](const FittedLine& line, double sign) {
-    return sign * line.slope < 0.0 ? -line.angle_deg() : line.angle_deg();
-  };
-  const double shear_left = signed_angle(left, -1.0), shear_right = signed_angle(right, 1.0);
-  const double repose_left = signed_angle(heap_left, 1.0),
-               repose_right = signed_angle(heap_right, -1.0);
-
+  const auto shear = slope_angles(slope, -half, -slot, slot, half);
+  // One largest diameter for the toe leaves out scattered single spheres.
+  const auto repose =
+      heap_angles(silhouette(s.lower, -wall, wall, kColumn_m),
+                  {.floor_m = floor, .toe_m = s.largest_diameter_m, .reach_m = wall});
   const auto flow = flow_of(run.series(), opening_time_s(run));
-  m.kpis = {{"shear_angle_deg", 0.5 * (shear_left + shear_right)},
-            {"angle_of_repose_deg", 0.5 * (repose_left + repose_right)},
+  m.kpis = {{"shear_angle_deg", shear.mean_deg()},
+            {"angle_of_repose_deg", repose.mean_deg()},
             {"discharged_fraction", fraction},
             {"discharged_mass_kg", s.discharged_kg},
             {"mass_flow_kg_s", flow.mean_kg_s}};
-  m.details["shear_angle_left_deg"] = shear_left;
-  m.details["shear_angle_right_deg"] = shear_right;
-  m.details["angle_of_repose_left_deg"] = repose_left;
-  m.details["angle_of_repose_right_deg"] = repose_right;
-  m.details["heap_half_base_m"] = 0.5 * (end_left + end_right);
+  m.details["shear_angle_left_deg"] = shear.left_deg;
+  m.details["shear_angle_right_deg"] = shear.right_deg;
+  m.details["angle_of_repose_left_deg"] = repose.left_deg;
+  m.details["angle_of_repose_right_deg"] = repose.right_deg;
+  m.details["heap_half_base_m"] = 0.5 * (repose.left_end_m + repose.right_end_m);
   m.details["time_98_percent_s"] = flow.t98_s;
   for (const auto& [name, value] : m.kpis)
     if (!std::isfinite(value) && m.failure.empty())
@@ -181,7 +168,7 @@ Measurement Drawdown::measure(const scene::Run& run) const {
           fmt::format("{} is undefined: its edge or its mass curve has too few points", name);
   if (!m.failure.empty()) m.kpis.clear();
   std::erase_if(m.details, [](const auto& detail) { return !std::isfinite(detail.second); });
-  if (end_left >= wall || end_right >= wall)
+  if (repose.left_end_m >= wall || repose.right_end_m >= wall)
     m.warnings.push_back(
         "the heap reached the wall of the lower box, which raises its angle by 1-2 degrees; widen "
         "the box");

@@ -58,6 +58,10 @@ struct Drawdown {
   /// `preset = "..."` and the keys that override it; documented in docs/how-to/drawdown.md.
   static Drawdown read(const TomlTable& table);
 
+  /// Whether a case is a draw-down: has its walls and stages, so that measure() knows where to
+  /// look.
+  static bool is_of(const scene::Case& scene);
+
   std::string name() const { return "drawdown"; }
   /// Coefficients and the lengths, mass, modulus and time-step fraction above.
   std::vector<std::string> parameter_names() const;

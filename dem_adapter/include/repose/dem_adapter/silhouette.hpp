@@ -1,4 +1,5 @@
-// The silhouette of a heap as a camera in front of it sees it, and lines fitted to its edge.
+// The upper edge of what a camera in front of a heap sees, from particles; a photograph gives the
+// same (view.hpp).
 #pragma once
 
 #include <span>
@@ -26,15 +27,5 @@ struct Profile {
 /// Upper edge of the union of discs between lower and upper, sampled at column centres: what
 /// binarising a picture and extracting its edge gives [Hadi2026, section 5.2.3].
 Profile silhouette(std::span<const Disc> discs, double lower_m, double upper_m, double column_m);
-
-struct FittedLine {
-  double slope = 0.0;
-  double intercept_m = 0.0;
-  int points = 0;            ///< columns with an edge; fewer than two leave slope and intercept NaN
-  double angle_deg() const;  ///< of |slope|
-};
-
-/// Least-squares line through the columns with centres in [from, to]; empty columns are skipped.
-FittedLine fit_line(const Profile& profile, double from_m, double to_m);
 
 }  // namespace repose::dem_adapter

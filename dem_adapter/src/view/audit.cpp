@@ -1,0 +1,98 @@
+// The picture that shows what was measured: the view as PNG inside an SVG, lines over it.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "repose/dem_adapter/view_angle.hpp"
+
+namespace repose::dem_adapter {
+namespace {
+
+std::string base64(const std::string& bytes) {
+  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t word = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      word = word << 8 | (i + k < bytes.size() ? static_cast<std::uint8_t>(bytes[i + k]) : 0U);
+    for (std::size_t k = 0; k < 4; ++k)
+      text += i + k <= bytes.size() ? kDigits[word >> (18 - 6 * k) & 63U] : '=';
+  }
+  return text;
+}
+
+std::string escaped(const std::string& text) {
+  std::string safe;
+  for (const char c : text) {
+    if (c == '<')
+      safe += "&lt;";
+    else if (c == '&')
+      safe += "&amp;";
+    else
+      safe += c;
+  }
+  return safe;
+}
+
+/// Places of the view in pixels of its picture.
+struct Place {
+  const View& view;
+  double column(double x_m) const { return (x_m - view.left_m) / view.pixel_m; }
+  double row(double z_m) const {
+    return view.picture.height - (z_m - view.bottom_m) / view.pixel_m;
+  }
+};
+
+/// The edge as polylines, broken where columns are empty.
+std::string edge_path(const View& view, const Place& place) {
+  std::string path;
+  bool is_drawing = false;
+  for (std::size_t c = 0; c < view.profile.top_m.size(); ++c) {
+    const double top = view.profile.top_m[c];
+    if (std::isnan(top)) {
+      is_drawing = false;
+      continue;
+    }
+    path += fmt::format("{}{:.2f} {:.2f} ", is_drawing ? "L" : "M",
+                        place.column(view.profile.x_m(c)), place.row(top));
+    is_drawing = true;
+  }
+  return path;
+}
+
+}  // namespace
+
+std::string audit_svg(const View& view, const ViewAngle& angle, const std::string& title) {
+  const Place place{view};
+  const double width = view.picture.width, height = view.picture.height;
+  const double pen = std::max(width / 500.0, 0.5);
+  const double text = std::max(width / 45.0, 8.0), caption = 2.0 * text;
+  std::string svg = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 {:.2f} {} {:.2f}\" width=\"{}\" "
+      "font-family=\"sans-serif\" font-size=\"{:.2f}\">\n<title>{}</title>\n"
+      "<rect y=\"{:.2f}\" width=\"{}\" height=\"{:.2f}\" fill=\"white\"/>\n",
+      -caption, width, height + caption, std::min(view.picture.width, 1200), text, escaped(title),
+      -caption, width, height + caption);
+  svg += fmt::format(
+      "<image width=\"{}\" height=\"{}\" href=\"data:image/png;base64,{}\"/>\n"
+      "<path class=\"edge\" d=\"{}\" fill=\"none\" stroke=\"#d00000\" stroke-width=\"{:.3f}\"/>\n",
+      width, height, base64(png_of(view.picture)), edge_path(view, place), pen);
+  svg += fmt::format(
+      "<path class=\"floor\" d=\"M0 {0:.2f} H{1}\" stroke=\"#808080\" stroke-width=\"{2:.3f}\" "
+      "stroke-dasharray=\"{3:.1f}\"/>\n",
+      place.row(angle.floor_m), width, pen, 4.0 * pen);
+  for (const FittedLine* line : {&angle.angles.left, &angle.angles.right})
+    svg += fmt::format(
+        "<path class=\"line\" d=\"M{:.2f} {:.2f} L{:.2f} {:.2f}\" stroke=\"#0040ff\" "
+        "stroke-width=\"{:.3f}\"/>\n",
+        place.column(line->from_m), place.row(line->intercept_m + line->slope * line->from_m),
+        place.column(line->to_m), place.row(line->intercept_m + line->slope * line->to_m),
+        2.0 * pen);
+  svg += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\">{}: left {:.2f}°, right {:.2f}°</text>\n",
+                     0.5 * text, -0.6 * text, escaped(title), angle.angles.left_deg,
+                     angle.angles.right_deg);
+  return svg + "</svg>\n";
+}
+
+}  // namespace repose::dem_adapter

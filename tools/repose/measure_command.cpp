@@ -1,0 +1,233 @@
+// repose measure: KPIs of a run or of a photograph, by the same code.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "command.hpp"
+#include "measurement_text.hpp"
+#include "repose/base/error.hpp"
+#include "repose/base/file.hpp"
+#include "repose/base/text.hpp"
+#include "repose/dem_adapter/drawdown.hpp"
+#include "repose/dem_adapter/picture.hpp"
+#include "repose/dem_adapter/view.hpp"
+#include "repose/dem_adapter/view_angle.hpp"
+#include "repose/scene/run_output.hpp"
+
+namespace repose::cli {
+namespace {
+
+using dem_adapter::Measurement;
+
+struct MeasureOptions {
+  CommonOptions common;
+  std::string input;
+  std::string audit;
+  // the edge
+  std::string shape = "heap", fit = "robust";
+  std::optional<double> axis, floor, toe;
+  std::vector<double> outlet;
+  double from = 0.0, to = 1.0;
+  // photographs
+  std::optional<double> scale, threshold;
+  std::vector<int> crop;
+  std::string background;
+  std::vector<std::string> components;
+  // runs
+  std::string snapshot, view = "front";
+  std::vector<double> window;
+};
+
+constexpr std::initializer_list<const char*> kPhotographOnly{"--scale", "--threshold", "--crop",
+                                                             "--background", "--component"};
+constexpr std::initializer_list<const char*> kRunOnly{"--snapshot", "--view", "--window"};
+
+dem_adapter::EdgeOptions edge_options(const MeasureOptions& o) {
+  dem_adapter::EdgeOptions edge{
+      .shape = o.shape == "heap" ? dem_adapter::EdgeShape::heap : dem_adapter::EdgeShape::slopes,
+      .axis_m = o.axis,
+      .floor_m = o.floor,
+      .toe_m = o.toe,
+      .from = o.from,
+      .to = o.to,
+      .fit =
+          o.fit == "robust" ? dem_adapter::LineFit::robust : dem_adapter::LineFit::least_squares};
+  if (!o.outlet.empty()) edge.outlet_m = {o.outlet[0], o.outlet[1]};
+  return edge;
+}
+
+/// The same in the unit of a photograph's view: rows count downwards, z upwards.
+dem_adapter::EdgeOptions edge_options_of_photograph(const MeasureOptions& o) {
+  auto edge = edge_options(o);
+  const double scale = o.scale.value_or(1.0);
+  if (edge.axis_m) *edge.axis_m *= scale;
+  if (edge.floor_m) *edge.floor_m *= -scale;
+  if (edge.toe_m) *edge.toe_m *= scale;
+  if (edge.outlet_m) edge.outlet_m = {o.outlet[0] * scale, o.outlet[1] * scale};
+  return edge;
+}
+
+dem_adapter::Segmentation segmentation_of(const MeasureOptions& o,
+                                          const dem_adapter::PixelBox& crop) {
+  dem_adapter::Segmentation segmentation{.threshold = o.threshold};
+  if (o.background.starts_with('#'))
+    segmentation.background = dem_adapter::parse_color(o.background);
+  else if (!o.background.empty())
+    segmentation.background = cropped(dem_adapter::read_picture(o.background), crop);
+  for (const auto& component : o.components) {
+    const auto equals = component.find('=');
+    if (equals == std::string::npos || equals == 0)
+      throw UsageError(
+          fmt::format("--component {}: write NAME=COLOUR, e.g. pellet=#705040", component));
+    segmentation.components.push_back(
+        {.name = component.substr(0, equals),
+         .color = dem_adapter::parse_color(component.substr(equals + 1))});
+  }
+  return segmentation;
+}
+
+dem_adapter::View photograph_view(const MeasureOptions& o) {
+  const auto picture = dem_adapter::read_picture(o.input);
+  dem_adapter::PixelBox crop{.width = picture.width, .height = picture.height};
+  if (!o.crop.empty()) crop = {o.crop[0], o.crop[1], o.crop[2], o.crop[3]};
+  const auto part = cropped(picture, crop);
+  return dem_adapter::view_of_photograph(part, segmentation_of(o, crop), o.scale, crop.column,
+                                         crop.row);
+}
+
+/// The last snapshot, that of a number from 1, or the last of a stage.
+scene::Snapshot snapshot_of(const scene::Run& run, const std::string& wanted) {
+  const std::size_t count = run.snapshots().size();
+  if (count == 0) throw InputError("the run has no snapshots");
+  if (wanted.empty()) return run.snapshot(count - 1);
+  if (wanted.find_first_not_of("0123456789") != std::string::npos) return run.end_of(wanted);
+  const auto number = wanted.size() < 10 ? std::stoul(wanted) : 0UL;
+  if (number < 1 || number > count)
+    throw InputError(fmt::format("--snapshot {}: the run has snapshots 1 to {}", wanted, count));
+  return run.snapshot(number - 1);
+}
+
+dem_adapter::View run_view(const MeasureOptions& o, const scene::Run& run) {
+  dem_adapter::ParticleViewOptions options{.direction = o.view == "front"
+                                                            ? dem_adapter::ViewDirection::along_y
+                                                            : dem_adapter::ViewDirection::along_x};
+  if (!o.window.empty()) {
+    options.left_m = o.window[0];
+    options.bottom_m = o.window[1];
+    options.right_m = o.window[2];
+    options.top_m = o.window[3];
+  }
+  return view_of_particles(snapshot_of(run, o.snapshot), options);
+}
+
+Measurement measured_angle(const MeasureOptions& o, const dem_adapter::View& view,
+                           const dem_adapter::EdgeOptions& edge) {
+  const auto angle = measure_angle(view, edge);
+  if (!o.audit.empty()) write_file_atomically(o.audit, audit_svg(view, angle, o.input));
+  return angle.measurement;
+}
+
+/// Options that say what to measure: without them a draw-down is measured as its scenario says.
+bool names_an_edge(const CLI::App& command) {
+  for (const char* option : {"--audit", "--shape", "--axis", "--floor", "--toe", "--outlet",
+                             "--from", "--to", "--fit", "--snapshot", "--view", "--window"})
+    if (command.count(option) > 0) return true;
+  return false;
+}
+
+Measurement measure_run(const MeasureOptions& o, const CLI::App& command) {
+  std::filesystem::path folder = o.input;
+  if (std::filesystem::exists(folder / "output")) folder /= "output";
+  const auto run = scene::read_run(folder);
+  if (!names_an_edge(command) && dem_adapter::Drawdown::is_of(run.scene()))
+    return dem_adapter::Drawdown{}.measure(run);
+  return measured_angle(o, run_view(o, run), edge_options(o));
+}
+
+bool is_run(const std::filesystem::path& input) {
+  return std::filesystem::is_directory(input) || input.extension() == ".h5";
+}
+
+void measure(const MeasureOptions& o, const CLI::App& command) {
+  Measurement m;
+  if (is_run(o.input)) {
+    refuse_options(command, kPhotographOnly, "for a run");
+    m = measure_run(o, command);
+  } else {
+    refuse_options(command, kRunOnly, "for a photograph");
+    m = measured_angle(o, photograph_view(o), edge_options_of_photograph(o));
+  }
+  if (o.common.json)
+    fmt::print("{}\n", measurement_json(m).dump(2));
+  else
+    print_measurement(m);
+  if (!m.failure.empty()) throw SimulationError(m.failure);
+}
+
+void add_edge_options(CLI::App& command, MeasureOptions& o) {
+  command.add_option("--shape", o.shape, "what the edge is: a heap, or the slopes at an outlet")
+      ->check(CLI::IsMember({"heap", "slopes"}))
+      ->capture_default_str();
+  command.add_option("--axis", o.axis, "x that divides the heap; default: middle of its base");
+  command.add_option("--floor", o.floor, "z or row of the floor; default: the lowest grain");
+  command.add_option("--toe", o.toe,
+                     "the heap ends where it is lower than this above the floor;\n"
+                     "default: the largest grain, or 2 % of a photographed heap");
+  command.add_option("--outlet", o.outlet, "LEFT,RIGHT: x of the ends of the outlet (slopes)")
+      ->delimiter(',')
+      ->expected(2);
+  command.add_option("--from", o.from, "use the edge from this fraction of the height ...")
+      ->capture_default_str();
+  command.add_option("--to", o.to, "... to this one")->capture_default_str();
+  command.add_option("--fit", o.fit, "of the lines: robust leaves outliers out")
+      ->check(CLI::IsMember({"robust", "least-squares"}))
+      ->capture_default_str();
+  command.add_option("--audit", o.audit, "write an SVG picture of what was fitted");
+}
+
+void add_photograph_options(CLI::App& command, MeasureOptions& o) {
+  command.add_option("--scale", o.scale, "m per pixel; angles need none")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--crop", o.crop, "COLUMN,ROW,WIDTH,HEIGHT in pixels")
+      ->delimiter(',')
+      ->expected(4);
+  command.add_option("--background", o.background,
+                     "its colour, #rrggbb, or a photograph of the empty rig;\n"
+                     "default: the median colour of the top tenth");
+  command.add_option("--threshold", o.threshold,
+                     "of the contrast with the background, in units of colour difference;\n"
+                     "default: by Otsu's method");
+  command.add_option("--component", o.components, "NAME=#rrggbb of one component; repeat for each");
+}
+
+void add_run_options(CLI::App& command, MeasureOptions& o) {
+  command.add_option("--snapshot", o.snapshot, "number from 1, or a stage; default: the last");
+  command.add_option("--view", o.view, "front looks along y, side along x")
+      ->check(CLI::IsMember({"front", "side"}))
+      ->capture_default_str();
+  command.add_option("--window", o.window, "LEFT,BOTTOM,RIGHT,TOP: only grains within, m")
+      ->delimiter(',')
+      ->expected(4);
+}
+
+}  // namespace
+
+void add_measure(CLI::App& app) {
+  auto o = std::make_shared<MeasureOptions>();
+  auto* command = add_command(
+      app, "measure", "Measures a run or a photograph by the same method",
+      "repose measure heap.jpg --crop 200,150,1800,900 --scale 0.0005 --audit heap.svg\n"
+      "         repose measure run --window -0.25,-0.27,0.25,0 --audit heap.svg\n"
+      "Places and lengths are in m for a run, in pixels of the whole picture for a photograph.\n"
+      "A draw-down gives its own KPIs unless an option names an edge.",
+      o->common);
+  command->add_option("INPUT", o->input, "folder or run.h5 of a run, or a PNG or JPEG file")
+      ->required();
+  add_edge_options(*command, *o);
+  add_photograph_options(*command, *o);
+  add_run_options(*command, *o);
+  command->callback([o, command] { measure(*o, *command); });
+}
+
+}  // namespace repose::cli
