@@ -9,6 +9,7 @@
 #include "program.hpp"
 #include "repose/dem_adapter/drawdown.hpp"
 #include "repose/scene/run_output.hpp"
+#include "repose/table/io.hpp"
 
 namespace repose {
 namespace {
@@ -28,8 +29,8 @@ void draw_cone(const Workbench& bench, const std::string& name, double angle_deg
 }
 
 /// A finished run of a cone of spheres of 10 mm on z = 0.
-void write_heap_run(const std::filesystem::path& folder, double angle_deg) {
-  scene::Snapshot s{.time_s = 1.0, .stage = "pour", .materials = {"grain", "box"}};
+void write_heap_run(const std::filesystem::path& folder, double angle_deg, int components = 1) {
+  scene::Snapshot s{.time_s = 1.0, .stage = "pour", .materials = {"pellet", "sinter", "box"}};
   constexpr double kRadius = 0.005, kBase = 0.2;
   const double slope = std::tan(angle_deg * M_PI / 180.0);
   for (double x = -kBase; x <= kBase; x += 0.002)
@@ -38,7 +39,7 @@ void write_heap_run(const std::filesystem::path& folder, double angle_deg) {
       s.position.push_back({x, 0.0, z});
     }
   s.body = s.id;
-  s.material.assign(s.size(), 0);
+  for (const auto& x : s.position) s.material.push_back(components == 2 && x.x() > 0.0 ? 1 : 0);
   s.radius_m.assign(s.size(), kRadius);
   s.mass_kg.assign(s.size(), 0.001);
   s.velocity.assign(s.size(), scene::Vec3::Zero());
@@ -85,6 +86,34 @@ TEST(MeasureCommand, GivesTheAngleOfARunByTheSameMethod) {
   EXPECT_EQ(bench.run("repose", "measure run --snapshot pour --view front --json").out, said.out);
   EXPECT_EQ(bench.run("repose", "measure run --snapshot 2").code, 3);
   EXPECT_EQ(bench.run("repose", "measure run --window 5,5,6,6").code, 3);
+}
+
+TEST(MeasureCommand, GivesSegregationOverBinsWithItsSensitivityToTheirSize) {
+  const Workbench bench;
+  write_heap_run(bench / "run", 27.0, 2);  // of two components, one left of the other
+  const auto said =
+      bench.run("repose", "measure run --grid x --bin 0.1,0.05 --origin 0,0,0 -o bins.csv --json");
+  ASSERT_EQ(said.code, 0) << said.err;
+  const auto json = nlohmann::json::parse(said.out);
+  EXPECT_NEAR(json["kpis"]["rsd_x_pellet"].get<double>(), std::sqrt(4.0 / 3.0), 0.01);  // pure bins
+  EXPECT_NEAR(json["sizes"]["rsd_pellet"][1].get<double>(), std::sqrt(8.0 / 7.0), 0.01);
+  EXPECT_NEAR(json["details"]["li_pellet"].get<double>(), 1.0, 0.01);
+  EXPECT_EQ(table::read_table({bench / "bins.csv", ""}).rows(), 4U);
+  const auto text = bench.run("repose", "measure run --grid x --bin 0.1,0.05");
+  EXPECT_NE(text.out.find("grains_per_bin"), std::string::npos);
+  const auto slices = bench.run("repose", "measure run --slices 6,3 --json");
+  ASSERT_EQ(slices.code, 0) << slices.err;
+  EXPECT_GT(nlohmann::json::parse(slices.out)["kpis"]["rsd_image_horizontal_pellet"].get<double>(),
+            0.9);
+  for (const char* wrong :
+       {"--grid x --bin 9", "--grid x --bin 0", "--bin 0.1", "--over-time nowhere",
+        "--grid x --axis 0", "--grid radial --over-time upper_box", "-o a.csv",
+        "--grid x --box 0,0,0,0,0,0", "--grid x --box 8,8,8,9,9,9"}) {
+    const auto refused = bench.run("repose", std::string("measure run ") + wrong);
+    EXPECT_EQ(refused.code, 3) << wrong << refused.err;
+    EXPECT_EQ(refused.out, "");
+  }
+  EXPECT_EQ(bench.run("repose", "measure run --grid diagonal").code, 2);
 }
 
 TEST(MeasureCommand, RefusesWhatIsNoPictureWithASentenceAndCodeThree) {

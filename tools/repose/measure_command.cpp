@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
@@ -11,9 +12,11 @@
 #include "repose/base/text.hpp"
 #include "repose/dem_adapter/drawdown.hpp"
 #include "repose/dem_adapter/picture.hpp"
+#include "repose/dem_adapter/run_segregation.hpp"
 #include "repose/dem_adapter/view.hpp"
 #include "repose/dem_adapter/view_angle.hpp"
 #include "repose/scene/run_output.hpp"
+#include "repose/table/io.hpp"
 
 namespace repose::cli {
 namespace {
@@ -37,11 +40,24 @@ struct MeasureOptions {
   // runs
   std::string snapshot, view = "front";
   std::vector<double> window;
+  // segregation
+  std::vector<int> slices;
+  std::string grid, over_time, output;
+  std::vector<double> bins, origin, box;
+  double least_fill = 0.0;
 };
 
 constexpr std::initializer_list<const char*> kPhotographOnly{"--scale", "--threshold", "--crop",
                                                              "--background", "--component"};
-constexpr std::initializer_list<const char*> kRunOnly{"--snapshot", "--view", "--window"};
+constexpr std::initializer_list<const char*> kRunOnly{
+    "--snapshot", "--view",       "--window", "--grid",   "--bin",
+    "--origin",   "--least-fill", "--box",    "--output", "--over-time"};
+/// Of the edge and the view, without which a draw-down is measured as its scenario says.
+constexpr std::initializer_list<const char*> kViewOnly{
+    "--audit", "--shape", "--axis", "--floor", "--toe",    "--outlet",
+    "--from",  "--to",    "--fit",  "--view",  "--window", "--slices"};
+constexpr std::initializer_list<const char*> kGridOnly{"--bin", "--origin", "--least-fill",
+                                                       "--box"};
 
 dem_adapter::EdgeOptions edge_options(const MeasureOptions& o) {
   dem_adapter::EdgeOptions edge{
@@ -121,48 +137,122 @@ dem_adapter::View run_view(const MeasureOptions& o, const scene::Run& run) {
   return view_of_particles(snapshot_of(run, o.snapshot), options);
 }
 
-Measurement measured_angle(const MeasureOptions& o, const dem_adapter::View& view,
-                           const dem_adapter::EdgeOptions& edge) {
+/// The angle of a view, and its slices if they are asked for.
+Measurement measured_view(const MeasureOptions& o, const dem_adapter::View& view,
+                          const dem_adapter::EdgeOptions& edge) {
   const auto angle = measure_angle(view, edge);
+  Measurement m = angle.measurement;
+  if (!o.slices.empty()) {
+    auto slices = dem_adapter::measure_slices(view, o.slices[0], o.slices[1]);
+    m.kpis.merge(slices.kpis);
+    m.details.merge(slices.details);
+  }
   if (!o.audit.empty()) write_file_atomically(o.audit, audit_svg(view, angle, o.input));
-  return angle.measurement;
+  return m;
 }
 
-/// Options that say what to measure: without them a draw-down is measured as its scenario says.
-bool names_an_edge(const CLI::App& command) {
-  for (const char* option : {"--audit", "--shape", "--axis", "--floor", "--toe", "--outlet",
-                             "--from", "--to", "--fit", "--snapshot", "--view", "--window"})
-    if (command.count(option) > 0) return true;
-  return false;
+scene::Region box_of(const std::vector<double>& ends) {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  scene::Region box{.name = "box", .lower = {-kFar, -kFar, -kFar}, .upper = {kFar, kFar, kFar}};
+  if (ends.empty()) return box;
+  box.lower = {ends[0], ends[1], ends[2]};
+  box.upper = {ends[3], ends[4], ends[5]};
+  if (!(box.lower.array() < box.upper.array()).all())
+    throw InputError("--box: each lower end must be below its upper end");
+  return box;
 }
 
-Measurement measure_run(const MeasureOptions& o, const CLI::App& command) {
+void write_output(const MeasureOptions& o, table::Table table) {
+  if (o.output.empty()) return;
+  table::stamp_provenance(table, command_line(), {}, {o.input});
+  table::write_table(table::parse_location(o.output), table);
+}
+
+/// What there is to say: KPIs, and how they depend on the size of bins where several were given.
+struct Measured {
+  Measurement measurement;
+  std::optional<table::Table> sizes = std::nullopt;
+};
+
+Measured measured_grid(const MeasureOptions& o, const scene::Run& run) {
+  const auto mixture =
+      dem_adapter::mixture_of(snapshot_of(run, o.snapshot), run.scene(), box_of(o.box));
+  dem_adapter::GridOptions options{
+      .kind = dem_adapter::grid_kind(o.grid), .sizes = o.bins, .least_fill = o.least_fill};
+  if (!o.origin.empty()) options.origin = scene::Vec3{o.origin[0], o.origin[1], o.origin[2]};
+  auto result = dem_adapter::measure_segregation(mixture, options);
+  write_output(o, result.bins);
+  return {.measurement = result.measurement, .sizes = result.sizes};
+}
+
+Measured measured_over_time(const MeasureOptions& o, const scene::Run& run) {
+  const auto result = dem_adapter::measure_discharge_segregation(run, o.over_time);
+  write_output(o, result.series);
+  return {.measurement = result.measurement};
+}
+
+bool gives_any(const CLI::App& command, std::initializer_list<const char*> options) {
+  return std::any_of(options.begin(), options.end(),
+                     [&](const char* option) { return command.count(option) > 0; });
+}
+
+Measured measure_run(const MeasureOptions& o, const CLI::App& command) {
   std::filesystem::path folder = o.input;
   if (std::filesystem::exists(folder / "output")) folder /= "output";
   const auto run = scene::read_run(folder);
-  if (!names_an_edge(command) && dem_adapter::Drawdown::is_of(run.scene()))
-    return dem_adapter::Drawdown{}.measure(run);
-  return measured_angle(o, run_view(o, run), edge_options(o));
+  if (o.grid.empty()) refuse_options(command, kGridOnly, "without --grid");
+  if (!o.grid.empty() || !o.over_time.empty())
+    refuse_options(command, kViewOnly, "with --grid or --over-time");
+  if (!o.grid.empty() && !o.over_time.empty())
+    throw InputError("--grid and --over-time measure different things; give one of them");
+  if (!o.grid.empty()) return measured_grid(o, run);
+  if (!o.over_time.empty()) return measured_over_time(o, run);
+  refuse_options(command, {"--output"}, "without --grid or --over-time");
+  if (!gives_any(command, kViewOnly) && o.snapshot.empty() &&
+      dem_adapter::Drawdown::is_of(run.scene()))
+    return {.measurement = dem_adapter::Drawdown{}.measure(run)};
+  return {.measurement = measured_view(o, run_view(o, run), edge_options(o))};
 }
 
 bool is_run(const std::filesystem::path& input) {
   return std::filesystem::is_directory(input) || input.extension() == ".h5";
 }
 
+/// One row a size of bins.
+void print_sizes(const table::Table& sizes) {
+  fmt::print("\n");
+  for (const auto& name : sizes.names()) fmt::print("{:>20}", name);
+  fmt::print("\n");
+  for (std::size_t row = 0; row < sizes.rows(); ++row) {
+    for (const auto& name : sizes.names()) fmt::print("{:>20.5g}", sizes.numbers(name)[row]);
+    fmt::print("\n");
+  }
+}
+
+void print(const MeasureOptions& o, const Measured& measured) {
+  if (!o.common.json) {
+    print_measurement(measured.measurement);
+    if (measured.sizes && o.bins.size() > 1) print_sizes(*measured.sizes);
+    return;
+  }
+  auto json = measurement_json(measured.measurement);
+  if (measured.sizes)
+    for (const auto& name : measured.sizes->names())
+      json["sizes"][name] = measured.sizes->numbers(name);
+  fmt::print("{}\n", json.dump(2));
+}
+
 void measure(const MeasureOptions& o, const CLI::App& command) {
-  Measurement m;
+  Measured measured;
   if (is_run(o.input)) {
     refuse_options(command, kPhotographOnly, "for a run");
-    m = measure_run(o, command);
+    measured = measure_run(o, command);
   } else {
     refuse_options(command, kRunOnly, "for a photograph");
-    m = measured_angle(o, photograph_view(o), edge_options_of_photograph(o));
+    measured.measurement = measured_view(o, photograph_view(o), edge_options_of_photograph(o));
   }
-  if (o.common.json)
-    fmt::print("{}\n", measurement_json(m).dump(2));
-  else
-    print_measurement(m);
-  if (!m.failure.empty()) throw SimulationError(m.failure);
+  print(o, measured);
+  if (!measured.measurement.failure.empty()) throw SimulationError(measured.measurement.failure);
 }
 
 void add_edge_options(CLI::App& command, MeasureOptions& o) {
@@ -184,6 +274,13 @@ void add_edge_options(CLI::App& command, MeasureOptions& o) {
       ->check(CLI::IsMember({"robust", "least-squares"}))
       ->capture_default_str();
   command.add_option("--audit", o.audit, "write an SVG picture of what was fitted");
+  command
+      .add_option("--slices", o.slices,
+                  "HORIZONTAL,VERTICAL: also segregation over so many slices of what is seen,\n"
+                  "e.g. 6,3")
+      ->delimiter(',')
+      ->expected(2)
+      ->check(CLI::Range(2, 1000));
 }
 
 void add_photograph_options(CLI::App& command, MeasureOptions& o) {
@@ -211,6 +308,31 @@ void add_run_options(CLI::App& command, MeasureOptions& o) {
       ->expected(4);
 }
 
+void add_segregation_options(CLI::App& command, MeasureOptions& o) {
+  command.add_option("--grid", o.grid, "segregation over bins instead of an angle")
+      ->check(CLI::IsMember({"x", "y", "vertical", "radial", "circumferential", "cubic"}));
+  command
+      .add_option("--bin", o.bins,
+                  "SIZE[,SIZE...] of a bin, m, or degrees of a sector; the first gives the\n"
+                  "KPIs; default: ten reference diameters, or 45")
+      ->delimiter(',');
+  command
+      .add_option("--origin", o.origin,
+                  "X,Y,Z: a corner of a bin, or on the axis of rings and sectors, m")
+      ->delimiter(',')
+      ->expected(3);
+  command.add_option("--box", o.box, "X,Y,Z,X,Y,Z: only grains between these corners, m")
+      ->delimiter(',')
+      ->expected(6);
+  command
+      .add_option("--least-fill", o.least_fill,
+                  "leave out bins with less than this times the mean mass")
+      ->check(CLI::Range(0.0, 1.0));
+  command.add_option("--over-time", o.over_time,
+                     "REGION: segregation of what passes through a region of the case");
+  command.add_option("-o,--output", o.output, "table of bins, or of times, *.h5 or *.csv");
+}
+
 }  // namespace
 
 void add_measure(CLI::App& app) {
@@ -219,6 +341,7 @@ void add_measure(CLI::App& app) {
       app, "measure", "Measures a run or a photograph by the same method",
       "repose measure heap.jpg --crop 200,150,1800,900 --scale 0.0005 --audit heap.svg\n"
       "         repose measure run --window -0.25,-0.27,0.25,0 --audit heap.svg\n"
+      "         repose measure run --grid radial --bin 0.04,0.06,0.08 -o bins.csv\n"
       "Places and lengths are in m for a run, in pixels of the whole picture for a photograph.\n"
       "A draw-down gives its own KPIs unless an option names an edge.",
       o->common);
@@ -227,6 +350,7 @@ void add_measure(CLI::App& app) {
   add_edge_options(*command, *o);
   add_photograph_options(*command, *o);
   add_run_options(*command, *o);
+  add_segregation_options(*command, *o);
   command->callback([o, command] { measure(*o, *command); });
 }
 
