@@ -276,8 +276,8 @@ void add_edge_options(CLI::App& command, MeasureOptions& o) {
   command.add_option("--audit", o.audit, "write an SVG picture of what was fitted");
   command
       .add_option("--slices", o.slices,
-                  "HORIZONTAL,VERTICAL: also segregation over so many slices of what is seen,\n"
-                  "e.g. 6,3")
+                  "HORIZONTAL,VERTICAL: also segregation over so many slices of what\n"
+                  "is seen, e.g. 6,3")
       ->delimiter(',')
       ->expected(2)
       ->check(CLI::Range(2, 1000));
@@ -313,8 +313,8 @@ void add_segregation_options(CLI::App& command, MeasureOptions& o) {
       ->check(CLI::IsMember({"x", "y", "vertical", "radial", "circumferential", "cubic"}));
   command
       .add_option("--bin", o.bins,
-                  "SIZE[,SIZE...] of a bin, m, or degrees of a sector; the first gives the\n"
-                  "KPIs; default: ten reference diameters, or 45")
+                  "SIZE[,SIZE...] of a bin, m, or degrees of a sector; the first gives\n"
+                  "the KPIs; default: ten reference diameters, or 45")
       ->delimiter(',');
   command
       .add_option("--origin", o.origin,
