@@ -10,6 +10,7 @@
 #include "repose/base/error.hpp"
 #include "repose/dem_adapter/drawdown.hpp"
 #include "repose/dem_adapter/edge_angle.hpp"
+#include "repose/dem_adapter/flow.hpp"
 #include "repose/dem_adapter/silhouette.hpp"
 
 namespace repose::dem_adapter {
@@ -71,50 +72,23 @@ double opening_time_s(const scene::Run& run) {
   throw InputError("the run has no stage \"settle\"; it is not a draw-down");
 }
 
-struct Flow {
-  double mean_kg_s = std::numeric_limits<double>::quiet_NaN();
-  double t98_s = std::numeric_limits<double>::quiet_NaN();  ///< after the gate opened
-};
-
-/// Least-squares slope of the discharged mass in its steady part, as from a load cell under the
-/// upper box.
-Flow flow_of(const table::Table& series, double opened_s) {
+/// The mass left in the upper box from the opening of the gate on, as of a load cell under it.
+MassCurve discharge_of(const table::Table& series, double opened_s) {
   const auto time = series.numbers("time_s");
   const auto upper = series.numbers("mass_upper_box_kg");
-  Flow flow;
-  std::vector<double> t, discharged;
-  double initial = std::numeric_limits<double>::quiet_NaN();
+  MassCurve curve;
+  double before = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = 0; i < time.size(); ++i) {
     if (time[i] < opened_s - 1e-9) {
-      initial = upper[i];
+      before = upper[i];
       continue;
     }
-    if (std::isnan(initial)) initial = upper[i];
-    t.push_back(time[i] - opened_s);
-    discharged.push_back(initial - upper[i]);
+    curve.time_s.push_back(time[i] - opened_s);
+    curve.mass_kg.push_back(upper[i]);
   }
-  if (t.size() < 3 || !(discharged.back() > 0.0)) return flow;
-  const double total = discharged.back();
-  double n = 0.0, mean_t = 0.0, mean_m = 0.0;
-  const auto in_window = [&](double m) { return m >= kFlowFrom * total && m <= kFlowTo * total; };
-  for (std::size_t i = 0; i < t.size(); ++i) {
-    if (std::isnan(flow.t98_s) && discharged[i] >= 0.98 * total) flow.t98_s = t[i];
-    if (!in_window(discharged[i])) continue;
-    n += 1.0;
-    mean_t += t[i];
-    mean_m += discharged[i];
-  }
-  if (n < 2.0) return flow;
-  mean_t /= n;
-  mean_m /= n;
-  double stt = 0.0, stm = 0.0;
-  for (std::size_t i = 0; i < t.size(); ++i)
-    if (in_window(discharged[i])) {
-      stt += (t[i] - mean_t) * (t[i] - mean_t);
-      stm += (t[i] - mean_t) * (discharged[i] - mean_m);
-    }
-  if (stt > 0.0) flow.mean_kg_s = stm / stt;
-  return flow;
+  // The gate opens at the end of a stage: what was in the box just before is what discharges.
+  if (!curve.mass_kg.empty() && !std::isnan(before)) curve.mass_kg.front() = before;
+  return curve;
 }
 
 }  // namespace
@@ -150,18 +124,19 @@ Measurement Drawdown::measure(const scene::Run& run) const {
   const auto repose =
       heap_angles(silhouette(s.lower, -wall, wall, kColumn_m),
                   {.floor_m = floor, .toe_m = s.largest_diameter_m, .reach_m = wall});
-  const auto flow = flow_of(run.series(), opening_time_s(run));
+  const auto flow = discharge_flow(discharge_of(run.series(), opening_time_s(run)),
+                                   {.filter_s = 0.0, .window = ShareWindow{kFlowFrom, kFlowTo}});
   m.kpis = {{"shear_angle_deg", shear.mean_deg()},
             {"angle_of_repose_deg", repose.mean_deg()},
             {"discharged_fraction", fraction},
             {"discharged_mass_kg", s.discharged_kg},
-            {"mass_flow_kg_s", flow.mean_kg_s}};
+            {"mass_flow_kg_s", flow.rate_kg_s}};
   m.details["shear_angle_left_deg"] = shear.left_deg;
   m.details["shear_angle_right_deg"] = shear.right_deg;
   m.details["angle_of_repose_left_deg"] = repose.left_deg;
   m.details["angle_of_repose_right_deg"] = repose.right_deg;
   m.details["heap_half_base_m"] = 0.5 * (repose.left_end_m + repose.right_end_m);
-  m.details["time_98_percent_s"] = flow.t98_s;
+  m.details["time_98_percent_s"] = flow.time_98_s;
   for (const auto& [name, value] : m.kpis)
     if (!std::isfinite(value) && m.failure.empty())
       m.failure =
