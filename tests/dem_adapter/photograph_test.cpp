@@ -213,5 +213,16 @@ TEST(Audit, ShowsThePictureTheEdgeAndBothLines) {
   EXPECT_NE(svg.find("left 40.0"), std::string::npos);
 }
 
+TEST(Audit, OfALargePhotographIsASmallFile) {
+  auto picture = photograph({2400.0, 60.0, 700.0, 15.0, 15.0}, 4800, 720);
+  test::add_noise(picture, 10.0, 0, 1);  // noise does not compress
+  const View view = view_of_photograph(picture, {});
+  const auto svg = audit_svg(view, measure_angle(view, {}), "large");
+  EXPECT_GT(png_of(picture).size(), 6'000'000U);
+  EXPECT_LT(svg.size(),
+            2'000'000U);  // 1600 x 240 pixels of at most 3 bytes, 4/3 in base 64, and text
+  EXPECT_NE(svg.find("<image width=\"4800\" height=\"720\""), std::string::npos);
+}
+
 }  // namespace
 }  // namespace repose::dem_adapter

@@ -1,12 +1,16 @@
 // The picture that shows what was measured: the view as PNG inside an SVG, lines over it.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "repose/dem_adapter/view_angle.hpp"
 
 namespace repose::dem_adapter {
 namespace {
+
+constexpr int kWidth = 1600;
 
 std::string base64(const std::string& bytes) {
   constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -44,6 +48,26 @@ struct Place {
   }
 };
 
+/// The picture in blocks of n x n pixels, each their mean, n such that it is at most kWidth wide:
+/// who looks at it needs no more, and a camera's 24 million pixels would make a file of 30
+/// megabytes.
+Picture for_eyes(const Picture& picture) {
+  const int n = (picture.width + kWidth - 1) / kWidth;
+  if (n == 1) return picture;
+  Picture small((picture.width + n - 1) / n, (picture.height + n - 1) / n);
+  for (int row = 0; row < small.height; ++row)
+    for (int column = 0; column < small.width; ++column) {
+      std::array<int, 3> sum{};
+      int count = 0;
+      for (int y = n * row; y < std::min(n * (row + 1), picture.height); ++y)
+        for (int x = n * column; x < std::min(n * (column + 1), picture.width); ++x, ++count)
+          for (std::size_t c = 0; c < 3; ++c) sum[c] += picture.at(x, y)[c];
+      for (std::size_t c = 0; c < 3; ++c)
+        small.at(column, row)[c] = static_cast<std::uint8_t>(sum[c] / count);
+    }
+  return small;
+}
+
 /// The edge as polylines, broken where columns are empty.
 std::string edge_path(const View& view, const Place& place) {
   std::string path;
@@ -74,10 +98,15 @@ std::string audit_svg(const View& view, const ViewAngle& angle, const std::strin
       "<rect y=\"{:.2f}\" width=\"{}\" height=\"{:.2f}\" fill=\"white\"/>\n",
       -caption, width, height + caption, std::min(view.picture.width, 1200), text, escaped(title),
       -caption, width, height + caption);
+  const Picture shown = for_eyes(view.picture);
+  // The last block may be cut off: the small picture is as wide as its whole blocks.
+  const int block = (view.picture.width + kWidth - 1) / kWidth;
   svg += fmt::format(
-      "<image width=\"{}\" height=\"{}\" href=\"data:image/png;base64,{}\"/>\n"
+      "<image width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" "
+      "href=\"data:image/png;base64,{}\"/>\n"
       "<path class=\"edge\" d=\"{}\" fill=\"none\" stroke=\"#d00000\" stroke-width=\"{:.3f}\"/>\n",
-      width, height, base64(png_of(view.picture)), edge_path(view, place), pen);
+      shown.width * block, shown.height * block, base64(png_of(shown)), edge_path(view, place),
+      pen);
   svg += fmt::format(
       "<path class=\"floor\" d=\"M0 {0:.2f} H{1}\" stroke=\"#808080\" stroke-width=\"{2:.3f}\" "
       "stroke-dasharray=\"{3:.1f}\"/>\n",
