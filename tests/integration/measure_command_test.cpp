@@ -116,6 +116,34 @@ TEST(MeasureCommand, GivesSegregationOverBinsWithItsSensitivityToTheirSize) {
   EXPECT_EQ(bench.run("repose", "measure run --grid diagonal").code, 2);
 }
 
+TEST(MeasureCommand, GivesTheFlowOfALoadCellAndTheDensityOfARun) {
+  const Workbench bench;
+  std::string csv = "time_s,mass_kg\n";
+  for (int i = 0; i <= 100; ++i)
+    csv += std::to_string(0.02 * i) + "," + std::to_string(30.0 - 12.0 * 0.02 * i) + "\n";
+  bench.write("cell.csv", csv);
+  const auto flow = bench.run("repose", "measure cell.csv --flow mass_kg --json");
+  ASSERT_EQ(flow.code, 0) << flow.err;
+  EXPECT_NEAR(nlohmann::json::parse(flow.out)["kpis"]["mass_flow_kg_s"].get<double>(), 12.0, 1e-4);
+  EXPECT_EQ(bench.run("repose", "measure cell.csv --flow mass_kg --flow-window 0.5,1.5").code, 0);
+  EXPECT_EQ(bench.run("repose", "measure cell.csv --flow mass_kg --flow-window 5,6").code, 5);
+  for (const char* wrong : {"", "--flow weight", "--flow mass_kg --scale 1",
+                            "--flow mass_kg --stage a", "--flow mass_kg --flow-window 2,1"})
+    EXPECT_EQ(bench.run("repose", std::string("measure cell.csv ") + wrong).code, 3) << wrong;
+  write_heap_run(bench / "run", 27.0);
+  const auto density =
+      bench.run("repose", "measure run --bulk-density --box -0.05,0,0.01,0.05,0.02,0.05 --json");
+  ASSERT_EQ(density.code, 0) << density.err;
+  const auto json = nlohmann::json::parse(density.out);
+  // Spheres of 1 g every 2 mm across and 4 mm up.
+  EXPECT_NEAR(json["kpis"]["bulk_density_kg_m3"].get<double>(), 0.001 / (0.002 * 0.004 * 0.02),
+              800.0);
+  for (const char* wrong :
+       {"--bulk-density", "--contacts", "--flow nowhere", "--contacts --bulk-density",
+        "--stage pour", "--flow upper_box --box 0,0,0,1,1,1"})
+    EXPECT_EQ(bench.run("repose", std::string("measure run ") + wrong).code, 3) << wrong;
+}
+
 TEST(MeasureCommand, RefusesWhatIsNoPictureWithASentenceAndCodeThree) {
   const Workbench bench;
   draw_cone(bench, "good.png", 30.0);

@@ -1,4 +1,4 @@
-// repose measure: KPIs of a run or of a photograph, by the same code.
+// repose measure: KPIs of a run, a photograph or a load cell, by the same code.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,6 +12,7 @@
 #include "repose/base/text.hpp"
 #include "repose/dem_adapter/drawdown.hpp"
 #include "repose/dem_adapter/picture.hpp"
+#include "repose/dem_adapter/run_bulk.hpp"
 #include "repose/dem_adapter/run_segregation.hpp"
 #include "repose/dem_adapter/view.hpp"
 #include "repose/dem_adapter/view_angle.hpp"
@@ -20,8 +21,6 @@
 
 namespace repose::cli {
 namespace {
-
-using dem_adapter::Measurement;
 
 struct MeasureOptions {
   CommonOptions common;
@@ -45,19 +44,18 @@ struct MeasureOptions {
   std::string grid, over_time, output;
   std::vector<double> bins, origin, box;
   double least_fill = 0.0;
+  // flow, density, contacts
+  std::string flow, stage;
+  std::vector<double> flow_window;
+  double filter_s = 0.05;
+  bool bulk_density = false, contacts = false;
 };
 
-constexpr std::initializer_list<const char*> kPhotographOnly{"--scale", "--threshold", "--crop",
-                                                             "--background", "--component"};
-constexpr std::initializer_list<const char*> kRunOnly{
-    "--snapshot", "--view",       "--window", "--grid",   "--bin",
-    "--origin",   "--least-fill", "--box",    "--output", "--over-time"};
-/// Of the edge and the view, without which a draw-down is measured as its scenario says.
-constexpr std::initializer_list<const char*> kViewOnly{
-    "--audit", "--shape", "--axis", "--floor", "--toe",    "--outlet",
-    "--from",  "--to",    "--fit",  "--view",  "--window", "--slices"};
-constexpr std::initializer_list<const char*> kGridOnly{"--bin", "--origin", "--least-fill",
-                                                       "--box"};
+/// What there is to say: KPIs, and how they depend on the size of bins where several were given.
+struct Measured {
+  dem_adapter::Measurement measurement;
+  std::optional<table::Table> sizes = std::nullopt;
+};
 
 dem_adapter::EdgeOptions edge_options(const MeasureOptions& o) {
   dem_adapter::EdgeOptions edge{
@@ -112,6 +110,71 @@ dem_adapter::View photograph_view(const MeasureOptions& o) {
                                          crop.row);
 }
 
+dem_adapter::Measurement measured_view(const MeasureOptions& o, const dem_adapter::View& view,
+                                       const dem_adapter::EdgeOptions& edge) {
+  const auto angle = measure_angle(view, edge);
+  auto m = angle.measurement;
+  if (!o.slices.empty()) {
+    auto slices = dem_adapter::measure_slices(view, o.slices[0], o.slices[1]);
+    m.kpis.merge(slices.kpis);
+    m.details.merge(slices.details);
+  }
+  if (!o.audit.empty()) write_file_atomically(o.audit, audit_svg(view, angle, o.input));
+  return m;
+}
+
+Measured measure_photograph(const MeasureOptions& o) {
+  return {.measurement = measured_view(o, photograph_view(o), edge_options_of_photograph(o))};
+}
+
+/// What may be measured of a run beside an edge, with the options that belong to it.
+struct Subject {
+  const char* option;
+  std::vector<const char*> own;
+};
+const std::vector<Subject>& subjects() {
+  static const std::vector<Subject> kSubjects{
+      {"--grid", {"--bin", "--origin", "--least-fill", "--box", "--snapshot", "--output"}},
+      {"--over-time", {"--output"}},
+      {"--flow", {"--flow-window", "--filter"}},
+      {"--bulk-density", {"--box", "--snapshot"}},
+      {"--contacts", {"--stage"}}};
+  return kSubjects;
+}
+/// Of the edge and the view, without which a draw-down is measured as its scenario says.
+constexpr std::initializer_list<const char*> kEdge{
+    "--audit", "--shape", "--axis", "--floor",  "--toe",    "--outlet",  "--from",
+    "--to",    "--fit",   "--view", "--slices", "--window", "--snapshot"};
+
+/// Throws InputError unless the options given belong to one subject; nullptr: an edge.
+const Subject* subject_of(const CLI::App& command) {
+  const Subject* chosen = nullptr;
+  for (const Subject& subject : subjects()) {
+    if (command.count(subject.option) == 0) continue;
+    if (chosen != nullptr)
+      throw InputError(fmt::format("{} and {} measure different things; give one of them",
+                                   chosen->option, subject.option));
+    chosen = &subject;
+  }
+  const auto belongs = [&](const char* option) {
+    if (chosen == nullptr)
+      return std::any_of(kEdge.begin(), kEdge.end(),
+                         [&](const char* own) { return std::string(own) == option; });
+    return std::any_of(chosen->own.begin(), chosen->own.end(),
+                       [&](const char* own) { return std::string(own) == option; });
+  };
+  const auto refuse = [&](const char* option) {
+    if (command.count(option) > 0 && !belongs(option))
+      throw InputError(fmt::format(
+          "{} has no meaning {}; leave it out", option,
+          chosen == nullptr ? std::string("for an edge") : std::string("with ") + chosen->option));
+  };
+  for (const Subject& subject : subjects())
+    std::for_each(subject.own.begin(), subject.own.end(), refuse);
+  std::for_each(kEdge.begin(), kEdge.end(), refuse);
+  return chosen;
+}
+
 /// The last snapshot, that of a number from 1, or the last of a stage.
 scene::Snapshot snapshot_of(const scene::Run& run, const std::string& wanted) {
   const std::size_t count = run.snapshots().size();
@@ -137,20 +200,6 @@ dem_adapter::View run_view(const MeasureOptions& o, const scene::Run& run) {
   return view_of_particles(snapshot_of(run, o.snapshot), options);
 }
 
-/// The angle of a view, and its slices if they are asked for.
-Measurement measured_view(const MeasureOptions& o, const dem_adapter::View& view,
-                          const dem_adapter::EdgeOptions& edge) {
-  const auto angle = measure_angle(view, edge);
-  Measurement m = angle.measurement;
-  if (!o.slices.empty()) {
-    auto slices = dem_adapter::measure_slices(view, o.slices[0], o.slices[1]);
-    m.kpis.merge(slices.kpis);
-    m.details.merge(slices.details);
-  }
-  if (!o.audit.empty()) write_file_atomically(o.audit, audit_svg(view, angle, o.input));
-  return m;
-}
-
 scene::Region box_of(const std::vector<double>& ends) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
   scene::Region box{.name = "box", .lower = {-kFar, -kFar, -kFar}, .upper = {kFar, kFar, kFar}};
@@ -167,12 +216,6 @@ void write_output(const MeasureOptions& o, table::Table table) {
   table::stamp_provenance(table, command_line(), {}, {o.input});
   table::write_table(table::parse_location(o.output), table);
 }
-
-/// What there is to say: KPIs, and how they depend on the size of bins where several were given.
-struct Measured {
-  Measurement measurement;
-  std::optional<table::Table> sizes = std::nullopt;
-};
 
 Measured measured_grid(const MeasureOptions& o, const scene::Run& run) {
   const auto mixture =
@@ -191,28 +234,57 @@ Measured measured_over_time(const MeasureOptions& o, const scene::Run& run) {
   return {.measurement = result.measurement};
 }
 
-bool gives_any(const CLI::App& command, std::initializer_list<const char*> options) {
-  return std::any_of(options.begin(), options.end(),
-                     [&](const char* option) { return command.count(option) > 0; });
+dem_adapter::FlowOptions flow_options(const MeasureOptions& o) {
+  dem_adapter::FlowOptions options{.filter_s = o.filter_s};
+  if (!o.flow_window.empty())
+    options.window = dem_adapter::TimeWindow{o.flow_window[0], o.flow_window[1]};
+  return options;
 }
 
-Measured measure_run(const MeasureOptions& o, const CLI::App& command) {
-  std::filesystem::path folder = o.input;
-  if (std::filesystem::exists(folder / "output")) folder /= "output";
-  const auto run = scene::read_run(folder);
-  if (o.grid.empty()) refuse_options(command, kGridOnly, "without --grid");
-  if (!o.grid.empty() || !o.over_time.empty())
-    refuse_options(command, kViewOnly, "with --grid or --over-time");
-  if (!o.grid.empty() && !o.over_time.empty())
-    throw InputError("--grid and --over-time measure different things; give one of them");
-  if (!o.grid.empty()) return measured_grid(o, run);
-  if (!o.over_time.empty()) return measured_over_time(o, run);
-  refuse_options(command, {"--output"}, "without --grid or --over-time");
-  if (!gives_any(command, kViewOnly) && o.snapshot.empty() &&
-      dem_adapter::Drawdown::is_of(run.scene()))
+Measured measured_edge(const MeasureOptions& o, const scene::Run& run, const CLI::App& command) {
+  const bool names_an_edge = std::any_of(
+      kEdge.begin(), kEdge.end(), [&](const char* option) { return command.count(option) > 0; });
+  if (!names_an_edge && dem_adapter::Drawdown::is_of(run.scene()))
     return {.measurement = dem_adapter::Drawdown{}.measure(run)};
   return {.measurement = measured_view(o, run_view(o, run), edge_options(o))};
 }
+
+Measured measure_run(const MeasureOptions& o, const CLI::App& command) {
+  const Subject* subject = subject_of(command);
+  if (o.bulk_density && o.box.empty())
+    throw InputError("--bulk-density needs --box X,Y,Z,X,Y,Z, a box inside the bed");
+  std::filesystem::path folder = o.input;
+  if (std::filesystem::exists(folder / "output")) folder /= "output";
+  const auto run = scene::read_run(folder);
+  const std::string option = subject == nullptr ? "" : subject->option;
+  if (option == "--grid") return measured_grid(o, run);
+  if (option == "--over-time") return measured_over_time(o, run);
+  if (option == "--flow")
+    return {.measurement = dem_adapter::measure_flow(dem_adapter::discharge_curve(run, o.flow),
+                                                     flow_options(o))};
+  if (option == "--bulk-density")
+    return {.measurement = dem_adapter::measure_bulk_density(snapshot_of(run, o.snapshot),
+                                                             run.scene(), box_of(o.box))};
+  if (option == "--contacts")
+    return {.measurement = dem_adapter::measure_contacts(
+                run, o.stage.empty() ? std::nullopt : std::optional(o.stage))};
+  return measured_edge(o, run, command);
+}
+
+Measured measure_mass_table(const MeasureOptions& o) {
+  const auto table = table::read_table(table::parse_location(o.input));
+  return {
+      .measurement = dem_adapter::measure_flow(
+          {.time_s = table.numbers("time_s"), .mass_kg = table.numbers(o.flow)}, flow_options(o))};
+}
+
+constexpr std::initializer_list<const char*> kPhotographOnly{"--scale", "--threshold", "--crop",
+                                                             "--background", "--component"};
+constexpr std::initializer_list<const char*> kSnapshotOnly{
+    "--snapshot",     "--view",       "--window", "--grid",   "--bin",
+    "--origin",       "--least-fill", "--box",    "--output", "--over-time",
+    "--bulk-density", "--contacts",   "--stage"};
+constexpr std::initializer_list<const char*> kFlowOnly{"--flow", "--flow-window", "--filter"};
 
 bool is_run(const std::filesystem::path& input) {
   return std::filesystem::is_directory(input) || input.extension() == ".h5";
@@ -247,9 +319,17 @@ void measure(const MeasureOptions& o, const CLI::App& command) {
   if (is_run(o.input)) {
     refuse_options(command, kPhotographOnly, "for a run");
     measured = measure_run(o, command);
+  } else if (std::filesystem::path(o.input).extension() == ".csv") {
+    refuse_options(command, kPhotographOnly, "for a table");
+    refuse_options(command, kSnapshotOnly, "for a table");
+    if (o.flow.empty())
+      throw InputError(
+          "a table is measured for a mass flow; name its column of masses: --flow NAME");
+    measured = measure_mass_table(o);
   } else {
-    refuse_options(command, kRunOnly, "for a photograph");
-    measured.measurement = measured_view(o, photograph_view(o), edge_options_of_photograph(o));
+    refuse_options(command, kSnapshotOnly, "for a photograph");
+    refuse_options(command, kFlowOnly, "for a photograph");
+    measured = measure_photograph(o);
   }
   print(o, measured);
   if (!measured.measurement.failure.empty()) throw SimulationError(measured.measurement.failure);
@@ -333,24 +413,44 @@ void add_segregation_options(CLI::App& command, MeasureOptions& o) {
   command.add_option("-o,--output", o.output, "table of bins, or of times, *.h5 or *.csv");
 }
 
+void add_bulk_options(CLI::App& command, MeasureOptions& o) {
+  command.add_option("--flow", o.flow,
+                     "REGION: mass flow out of a region; of a table: its column of masses");
+  command
+      .add_option("--flow-window", o.flow_window,
+                  "FROM,TO: steady part, s of the run or table; default: found")
+      ->delimiter(',')
+      ->expected(2);
+  command.add_option("--filter", o.filter_s, "standard deviation of the Gaussian filter, s")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command.add_flag("--bulk-density", o.bulk_density, "mass of the grains in --box over its volume");
+  command.add_flag("--contacts", o.contacts, "mean contact forces of each pair of materials");
+  command.add_option("--stage", o.stage, "over which contacts are averaged; default: the last");
+}
+
 }  // namespace
 
 void add_measure(CLI::App& app) {
   auto o = std::make_shared<MeasureOptions>();
   auto* command = add_command(
-      app, "measure", "Measures a run or a photograph by the same method",
+      app, "measure", "Measures a run, a photograph or a load cell by the same method",
       "repose measure heap.jpg --crop 200,150,1800,900 --scale 0.0005 --audit heap.svg\n"
       "         repose measure run --window -0.25,-0.27,0.25,0 --audit heap.svg\n"
       "         repose measure run --grid radial --bin 0.04,0.06,0.08 -o bins.csv\n"
+      "         repose measure run --flow upper_box\n"
       "Places and lengths are in m for a run, in pixels of the whole picture for a photograph.\n"
       "A draw-down gives its own KPIs unless an option names an edge.",
       o->common);
-  command->add_option("INPUT", o->input, "folder or run.h5 of a run, or a PNG or JPEG file")
+  command
+      ->add_option("INPUT", o->input,
+                   "folder or run.h5 of a run, PNG or JPEG file, or CSV of a load cell")
       ->required();
   add_edge_options(*command, *o);
   add_photograph_options(*command, *o);
   add_run_options(*command, *o);
   add_segregation_options(*command, *o);
+  add_bulk_options(*command, *o);
   command->callback([o, command] { measure(*o, *command); });
 }
 
