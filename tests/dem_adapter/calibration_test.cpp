@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "repose/base/error.hpp"
 #include "repose/base/file.hpp"
 #include "repose/base/toml.hpp"
@@ -33,10 +35,9 @@ Study study() {
 }
 
 Calibration run(const Study& s, const test::SyntheticEngine& engine,
-                const std::filesystem::path& directory,
-                const std::atomic<bool>* cancelled = nullptr) {
-  const Campaign campaign(directory, engine, test::SyntheticEngine::measure,
-                          {.workers = s.compute.workers, .cancelled = cancelled});
+                const std::filesystem::path& directory, const std::atomic<Stop>* stop = nullptr) {
+  const Campaign campaign(directory, engine, test::SyntheticEngine::measure(),
+                          {.compute = s.compute, .failures = s.failures, .stop = stop});
   return calibrate(s, campaign, {});
 }
 
@@ -77,14 +78,14 @@ TEST(Calibration, UsesFreshSeedsForItsProof) {
 TEST(Calibration, GoesOnAfterBeingStoppedAndEndsWithTheSameBits) {
   const test::TemporaryDirectory straight, stopped;
   const auto reference = run(study(), test::SyntheticEngine(0.1), straight.path());
-  std::atomic<bool> cancelled{false};
+  std::atomic<Stop> stop{Stop::no};
   test::SyntheticEngine engine(0.1);
-  engine.stopping_every(17, &cancelled);  // somewhere in each phase
+  engine.stopping_every(17, &stop);  // somewhere in each phase
   int stops = 0;
   for (bool finished = false; !finished;) {
-    cancelled = false;
+    stop = Stop::no;
     try {
-      const auto result = run(study(), engine, stopped.path(), &cancelled);
+      const auto result = run(study(), engine, stopped.path(), &stop);
       EXPECT_EQ(result.values, reference.values);
       EXPECT_EQ(result.verified_error, reference.verified_error);
       finished = true;
@@ -126,6 +127,41 @@ TEST(Calibration, PassesOverFailedRuns) {
   EXPECT_GT(result.data.failed(), 0U);
   EXPECT_NEAR(result.values.at("a"), kHiddenA, 0.06);
   EXPECT_NEAR(result.values.at("b"), kHiddenB, 0.06);
+}
+
+TEST(Calibration, LeavesARunOutOnlyForTheKpiThatIsUndefined) {
+  const test::TemporaryDirectory directory;
+  const auto s = study();
+  auto measure = test::SyntheticEngine::measure();
+  measure.of = [of = measure.of](const std::filesystem::path& output) {
+    auto m = of(output);
+    if (m.kpis.at("first") > 42.0) m.kpis["third"] = std::nan("");  // a > 0.85
+    return m;
+  };
+  const Campaign campaign(directory.path(), test::SyntheticEngine(0.1), measure,
+                          {.compute = s.compute});
+  const auto result = calibrate(s, campaign, {});
+  EXPECT_EQ(result.data.failed(), 0U);
+  EXPECT_EQ(result.surrogates.y[0].size(), result.surrogates.y[1].size());
+  EXPECT_LT(result.surrogates.y[2].size(), result.surrogates.y[0].size());
+  EXPECT_NEAR(result.values.at("a"), kHiddenA, 0.04);
+  EXPECT_NEAR(result.values.at("b"), kHiddenB, 0.04);
+}
+
+TEST(Calibration, LearnsFromThePenaltyOfFailedRuns) {
+  const test::TemporaryDirectory directory;
+  test::SyntheticEngine engine(0.1);
+  engine.failing_above(0.9);
+  auto s = study();
+  s.failures.penalty = {{"first", 60.0}, {"second", 60.0}, {"third", 0.0}};
+  const auto result = run(s, engine, directory.path());
+  EXPECT_GT(result.data.failed(), 0U);
+  EXPECT_EQ(result.surrogates.y[0].maxCoeff(), 60.0);
+  for (const auto& kpi : result.kpis)
+    if (kpi.target.target.name != "third") {
+      EXPECT_LT(kpi.highest_seen, 60.0);
+    }
+  EXPECT_LT(result.values.at("a"), 0.9);
 }
 
 TEST(Calibration, SaysSoWhenEverythingFails) {
@@ -192,11 +228,9 @@ TEST(Calibration, LeavesOutARepetitionThatMostlyFailed) {
   for (const auto& o : first.data.observations)
     if (first.data.points[o.point].phase == Phase::screening && o.repetition == 2 &&
         ++broken < 16) {
-      const auto file = directory.path() / "runs" / o.outcome.key / "outcome.json";
-      auto text = read_file(file);
-      const auto at = text.find("\"failure\": \"\"");
-      ASSERT_NE(at, std::string::npos);
-      write_file_atomically(file, text.replace(at, 13, "\"failure\": \"it jammed\""));
+      auto broken_run = o.outcome;
+      broken_run.measurement.fail(Outcome::jammed_outlet, "it jammed");
+      RunStore(directory.path(), StoreAccess::write).record(broken_run);
     }
   const auto result = run(s, test::SyntheticEngine(0.1), directory.path());
   EXPECT_EQ(result.screening.repetitions, 2);

@@ -56,12 +56,15 @@ class SyntheticEngine {
   explicit SyntheticEngine(double noise) : noise_(noise) {}
   std::string name() const { return "synthetic 1"; }
   dem_adapter::EngineExit run(const dem_adapter::EngineJob& job) const {
-    if (++*runs_ % stop_every_ == 0 && stop_flag_ != nullptr) *stop_flag_ = true;
+    if (++*runs_ % stop_every_ == 0 && stop_flag_ != nullptr)
+      *stop_flag_ = dem_adapter::Stop::when_runs_end;
     const auto c = scene::read_case(job.directory / "case.toml");
     const double a = c.pairs.front().mu_s, b = c.pairs.front().mu_r;
     if (fails_above_ < a)
-      return {
-          .status = dem_adapter::EngineStatus::failed, .message = "it jammed", .wall_time_s = 0};
+      return {.status = dem_adapter::EngineStatus::failed,
+              .failure = dem_adapter::Outcome::crash,
+              .message = "it broke",
+              .resources = {}};
     auto values = SyntheticScenario::kpis(a, b);
     RandomStream random(c.seed);
     for (std::size_t i = 0; i < values.size(); ++i)
@@ -70,13 +73,17 @@ class SyntheticEngine {
     std::ofstream out(job.directory / "output" / "kpis.txt");
     out.precision(17);
     for (const double v : values) out << v << '\n';
-    return {.status = dem_adapter::EngineStatus::finished, .message = "", .wall_time_s = 0.01};
+    return {.status = dem_adapter::EngineStatus::finished,
+            .message = "",
+            .resources = {.wall_time_s = 0.01}};
   }
-  static dem_adapter::Measurement measure(const std::filesystem::path& output) {
-    dem_adapter::Measurement m;
-    std::ifstream in(output / "kpis.txt");
-    for (const char* name : {"first", "second", "third"}) in >> m.kpis[name];
-    return m;
+  static dem_adapter::Measure measure() {
+    return {"synthetic", [](const std::filesystem::path& output) {
+              dem_adapter::Measurement m;
+              std::ifstream in(output / "kpis.txt");
+              for (const char* name : {"first", "second", "third"}) in >> m.kpis[name];
+              return m;
+            }};
   }
   int runs() const { return *runs_; }
   SyntheticEngine& failing_above(double a) {
@@ -85,7 +92,7 @@ class SyntheticEngine {
   }
 
   /// Raises the flag at every n-th run, as a user's Ctrl-C would.
-  SyntheticEngine& stopping_every(int n, std::atomic<bool>* flag) {
+  SyntheticEngine& stopping_every(int n, std::atomic<dem_adapter::Stop>* flag) {
     stop_every_ = n;
     stop_flag_ = flag;
     return *this;
@@ -93,7 +100,7 @@ class SyntheticEngine {
 
  private:
   int stop_every_ = 1000000;
-  std::atomic<bool>* stop_flag_ = nullptr;
+  std::atomic<dem_adapter::Stop>* stop_flag_ = nullptr;
   double noise_;
   double fails_above_ = 1e9;
   std::shared_ptr<std::atomic<int>> runs_ = std::make_shared<std::atomic<int>>(0);

@@ -7,13 +7,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <thread>
 
 #include "command.hpp"
 #include "repose/base/error.hpp"
 #include "repose/base/file.hpp"
 #include "repose/dem_adapter/calibration.hpp"
-#include "repose/scene/run_output.hpp"
 #include "stop_signal.hpp"
 
 namespace repose::cli {
@@ -87,22 +85,19 @@ void calibrate_study(const CalibrateOptions& options) {
   auto study = read_study(options.study);
   if (options.seed) study.seed = *options.seed;
   if (options.workers > 0) study.compute.workers = options.workers;
-  if (study.compute.workers == 0)
-    study.compute.workers = std::max(1U, std::thread::hardware_concurrency());
+  study.compute.workers = runs_at_once(study.compute);
   const std::filesystem::path directory = options.output;
-  const auto plan = plan_text(study, study.compute.workers, mean_wall_time_s(directory));
+  const auto& store = study.compute.store.empty() ? directory : study.compute.store;
+  const auto plan = plan_text(study, study.compute.workers, mean_wall_time_s(store));
   if (options.dry_run) {
     fmt::print("{}", plan);
     return;
   }
   if (!options.common.quiet) fmt::print(stderr, "{}\n", plan);
-  const Measure measure = [&study](const std::filesystem::path& output) {
-    return study.scenario.measure(scene::read_run(output));
-  };
-  const Campaign campaign(directory, BundledEngine(), measure,
-                          {.workers = study.compute.workers,
-                           .time_limit_s = study.compute.time_limit_s,
-                           .cancelled = &stop_requested()});
+  const Campaign campaign(directory, BundledEngine(), measure_of(study.scenario),
+                          {.compute = study.compute,
+                           .failures = study.failures,
+                           .stop = &stop_requested(FirstInterrupt::lets_runs_end)});
   Terminal terminal(options.common);
   const auto result = calibrate(study, campaign, terminal.observer());
   terminal.end();

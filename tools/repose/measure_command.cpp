@@ -332,7 +332,7 @@ void measure(const MeasureOptions& o, const CLI::App& command) {
     measured = measure_photograph(o);
   }
   print(o, measured);
-  if (!measured.measurement.failure.empty()) throw SimulationError(measured.measurement.failure);
+  if (is_failure(measured.measurement.outcome)) throw SimulationError(measured.measurement.failure);
 }
 
 void add_edge_options(CLI::App& command, MeasureOptions& o) {

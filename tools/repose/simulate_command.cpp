@@ -92,17 +92,18 @@ void simulate(const SimulateOptions& options) {
   const dem_adapter::BundledEngine engine;
   make_directory(directory);
   write_file_atomically(directory / "case.toml", case_text);
+  const auto& stop = stop_requested(FirstInterrupt::ends_runs);
   const auto exit = engine.run({.directory = directory,
                                 .time_limit_s = options.time_limit_s,
-                                .cancelled = [] { return stop_requested().load(); },
+                                .cancelled = [&] { return stop != dem_adapter::Stop::no; },
                                 .streams = options.common.quiet || options.common.json
                                                ? dem_adapter::EngineStreams::to_log
                                                : dem_adapter::EngineStreams::inherited});
   if (exit.status == dem_adapter::EngineStatus::cancelled) throw dem_adapter::Interrupted();
   if (exit.status != dem_adapter::EngineStatus::finished) throw SimulationError(exit.message);
   const auto measurement = scenario.measure(scene::read_run(directory / "output"));
-  print_result(options, measurement, exit.wall_time_s);
-  if (!measurement.failure.empty()) throw SimulationError(measurement.failure);
+  print_result(options, measurement, exit.resources.wall_time_s);
+  if (is_failure(measurement.outcome)) throw SimulationError(measurement.failure);
 }
 
 }  // namespace

@@ -88,10 +88,10 @@ void note_coverage(const Study& study, Calibration& result) {
     kpi.lowest_seen = std::numeric_limits<double>::infinity();
     kpi.highest_seen = -kpi.lowest_seen;
     for (const auto& o : result.data.observations) {
-      if (!o.outcome.usable()) continue;
-      const double value = o.outcome.measurement.kpis.at(target.target.name);
-      kpi.lowest_seen = std::min(kpi.lowest_seen, value);
-      kpi.highest_seen = std::max(kpi.highest_seen, value);
+      const auto value = o.kpi(target.target.name);
+      if (!value || o.outcome.failed()) continue;  // a penalty is nothing seen
+      kpi.lowest_seen = std::min(kpi.lowest_seen, *value);
+      kpi.highest_seen = std::max(kpi.highest_seen, *value);
     }
     if (!kpi.reached())
       result.remarks.push_back(fmt::format(
@@ -118,20 +118,23 @@ void verify(const Study& study, const Campaign& campaign, const CalibrationObser
     baseline.push_back(kpi.baseline.mean);
   }
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-  result.verified_error = result.kpis.front().verified.count > 0
-                              ? opt::weighted_error(std::span<const double>(verified), targets)
-                              : kUnknown;
-  result.baseline_error = result.kpis.front().baseline.count > 0
-                              ? opt::weighted_error(std::span<const double>(baseline), targets)
-                              : kUnknown;
-  const auto note_failures = [&](int usable, const char* what) {
+  const auto error_of = [&](const std::vector<double>& means) {
+    const bool all =
+        std::all_of(means.begin(), means.end(), [](double m) { return !std::isnan(m); });
+    return all ? opt::weighted_error(std::span<const double>(means), targets) : kUnknown;
+  };
+  result.verified_error = error_of(verified);
+  result.baseline_error = error_of(baseline);
+  const auto note_failures = [&](MeanAndDeviation CalibratedKpi::*phase, const char* what) {
+    int usable = repetitions;
+    for (const auto& kpi : result.kpis) usable = std::min(usable, (kpi.*phase).count);
     if (usable < repetitions)
       result.remarks.push_back(fmt::format("{} of {} runs at the {} failed: {}.",
                                            repetitions - usable, repetitions, what,
                                            failure_summary(result.data)));
   };
-  note_failures(result.kpis.front().verified.count, "calibrated point");
-  note_failures(result.kpis.front().baseline.count, "best screening point");
+  note_failures(&CalibratedKpi::verified, "calibrated point");
+  note_failures(&CalibratedKpi::baseline, "best screening point");
 }
 
 }  // namespace
@@ -147,8 +150,9 @@ double CalibratedKpi::verified_relative_error() const {
 MeanAndDeviation kpi_over(const Dataset& data, Phase phase, const std::string& kpi) {
   std::vector<double> values;
   for (const auto& o : data.observations)
-    if (data.points[o.point].phase == phase && o.outcome.usable())
-      values.push_back(o.outcome.measurement.kpis.at(kpi));
+    if (const auto value = o.kpi(kpi);
+        value && data.points[o.point].phase == phase && !o.outcome.failed())
+      values.push_back(*value);
   MeanAndDeviation result;
   result.count = static_cast<int>(values.size());
   if (values.empty()) {

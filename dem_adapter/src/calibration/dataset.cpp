@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "outcome_columns.hpp"
 #include "repose/base/error.hpp"
 #include "repose/base/random.hpp"
 
@@ -27,7 +28,7 @@ const char* to_string(Phase phase) {
 
 std::size_t Dataset::failed() const {
   std::size_t count = 0;
-  for (const auto& o : observations) count += o.outcome.usable() ? 0 : 1;
+  for (const auto& o : observations) count += o.outcome.failed() ? 1 : 0;
   return count;
 }
 
@@ -58,37 +59,28 @@ void simulate(Dataset& data, const Study& study, const Campaign& campaign, Phase
   auto outcomes = campaign.run(cases, progress);
   for (std::size_t i = 0; i < added.size(); ++i) {
     added[i].outcome = std::move(outcomes[i]);
+    added[i].seed = added[i].outcome.seed;
+    if (added[i].outcome.failed()) added[i].outcome.measurement.kpis = study.failures.penalty;
     data.observations.push_back(std::move(added[i]));
   }
 }
 
 table::Table Dataset::table(const Study& study) const {
-  std::vector<std::string> phase, failure, key;
-  std::vector<std::int64_t> point, batch, repetition, seed;
-  std::vector<double> wall_time;
+  std::vector<std::string> phase;
+  std::vector<std::int64_t> point, batch, repetition;
+  OutcomeColumns outcomes(study.scenario.kpi_names());
   const auto& parameters = study.space.parameters();
   std::vector<std::vector<double>> factors(parameters.size());
-  const auto kpi_names = study.scenario.kpi_names();
-  std::vector<std::vector<double>> kpis(kpi_names.size());
   for (const auto& o : observations) {
     const auto& p = points[o.point];
     phase.emplace_back(to_string(p.phase));
     point.push_back(static_cast<std::int64_t>(o.point));
     batch.push_back(p.batch);
     repetition.push_back(o.repetition);
-    seed.push_back(static_cast<std::int64_t>(o.seed));
     const Vector natural = study.space.from_unit(p.unit);
     for (std::size_t i = 0; i < parameters.size(); ++i)
       factors[i].push_back(natural[static_cast<Eigen::Index>(i)]);
-    for (std::size_t i = 0; i < kpi_names.size(); ++i) {
-      const auto it = o.outcome.measurement.kpis.find(kpi_names[i]);
-      kpis[i].push_back(it == o.outcome.measurement.kpis.end()
-                            ? std::numeric_limits<double>::quiet_NaN()
-                            : it->second);
-    }
-    failure.push_back(o.outcome.measurement.failure);
-    key.push_back(o.outcome.key);
-    wall_time.push_back(o.outcome.wall_time_s);
+    outcomes.add(o.outcome);
   }
   using table::Column;
   using table::Role;
@@ -98,19 +90,9 @@ table::Table Dataset::table(const Study& study) const {
   result.add(Column{.name = "batch", .role = Role::none, .range = {}, .values = batch});
   result.add(
       Column{.name = "repetition", .role = Role::replicate, .range = {}, .values = repetition});
-  result.add(Column{.name = "seed", .role = Role::none, .range = {}, .values = seed});
   for (std::size_t i = 0; i < parameters.size(); ++i)
     result.add(table::factor_column(parameters[i], factors[i]));
-  for (std::size_t i = 0; i < kpi_names.size(); ++i)
-    result.add(Column{.name = kpi_names[i],
-                      .unit = label_of(kpi_names[i]).unit,
-                      .role = Role::response,
-                      .range = {},
-                      .values = kpis[i]});
-  result.add(Column{.name = "failure", .role = Role::none, .range = {}, .values = failure});
-  result.add(Column{.name = "run", .role = Role::none, .range = {}, .values = key});
-  result.add(Column{
-      .name = "wall_time_s", .unit = "s", .role = Role::none, .range = {}, .values = wall_time});
+  outcomes.add_to(result);
   return result;
 }
 

@@ -23,13 +23,14 @@ Matrix screening_design(const Study& study) {
 std::string failure_summary(const Dataset& data) {
   std::map<std::string, int> counts;
   for (const auto& o : data.observations)
-    if (!o.outcome.usable()) ++counts[o.outcome.measurement.failure];
+    if (o.outcome.measurement.outcome != Outcome::finished) ++counts[o.outcome.measurement.failure];
   const auto commonest =
       std::max_element(counts.begin(), counts.end(),
                        [](const auto& a, const auto& b) { return a.second < b.second; });
   if (commonest == counts.end()) return "no run failed";
-  return fmt::format("{} failed, e.g. \"{}\" (all reasons are in runs.h5)", data.failed(),
-                     commonest->first);
+  int all = 0;
+  for (const auto& [failure, count] : counts) all += count;
+  return fmt::format("{} failed, e.g. \"{}\" (all reasons are in runs.h5)", all, commonest->first);
 }
 
 doe::Screening analyse_screening(const Study& study, const Matrix& coded, const Dataset& data,
@@ -43,10 +44,10 @@ doe::Screening analyse_screening(const Study& study, const Matrix& coded, const 
         Matrix::Constant(coded.rows(), repetitions, std::numeric_limits<double>::quiet_NaN()));
   }
   for (const auto& o : data.observations)
-    if (data.points[o.point].phase == Phase::screening && o.outcome.usable())
+    if (data.points[o.point].phase == Phase::screening)
       for (std::size_t j = 0; j < names.size(); ++j)
-        responses[j](static_cast<Eigen::Index>(o.point), o.repetition) =
-            o.outcome.measurement.kpis.at(names[j]);
+        if (const auto value = o.kpi(names[j]))
+          responses[j](static_cast<Eigen::Index>(o.point), o.repetition) = *value;
   const auto analyse = [&](const std::vector<int>& columns) {
     std::vector<Matrix> chosen;
     for (const auto& values : responses) chosen.push_back(values(Eigen::all, columns));
@@ -113,23 +114,28 @@ Vector best_screening_point(const Study& study, const Dataset& data) {
   const Point* best_point = nullptr;
   for (std::size_t p = 0; p < data.points.size(); ++p) {
     if (data.points[p].phase != Phase::screening) continue;
-    std::vector<double> sums(targets.size(), 0.0);
-    int runs = 0;
-    for (const auto& o : data.observations) {
-      if (o.point != p || !o.outcome.usable()) continue;
-      ++runs;
-      for (std::size_t j = 0; j < targets.size(); ++j)
-        sums[j] += o.outcome.measurement.kpis.at(targets[j].name);
+    std::vector<double> means(targets.size(), 0.0);
+    for (std::size_t j = 0; j < targets.size(); ++j) {
+      int runs = 0;
+      for (const auto& o : data.observations)
+        if (const auto value = o.kpi(targets[j].name);
+            value && o.point == p && !o.outcome.failed()) {
+          means[j] += *value;
+          ++runs;
+        }
+      means[j] /= runs;  // NaN without runs, and so is the error, which is never the best
     }
-    if (runs == 0) continue;
-    for (auto& sum : sums) sum /= runs;
-    const double error = opt::weighted_error(std::span<const double>(sums), targets);
+    const double error = opt::weighted_error(std::span<const double>(means), targets);
     if (error < best) {
       best = error;
       best_point = &data.points[p];
     }
   }
-  REPOSE_ASSERT(best_point != nullptr, "the screening was analysed without a usable run");
+  if (best_point == nullptr)
+    throw SimulationError(fmt::format(
+        "no point of the screening has a value of every KPI; {}; leave out the KPI that "
+        "is undefined, or choose other ranges",
+        failure_summary(data)));
   return best_point->unit;
 }
 

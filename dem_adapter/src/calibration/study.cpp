@@ -3,10 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <set>
 
+#include "parameter_tables.hpp"
 #include "repose/base/error.hpp"
 #include "repose/base/text.hpp"
 #include "repose/doe/designs.hpp"
@@ -22,55 +21,14 @@ int count(const TomlTable& table, std::string_view key, int fallback, const Allo
   return static_cast<int>(table.integer_or(key, fallback, allowed));
 }
 
-Scenario read_scenario_of(const TomlTable& root, const std::filesystem::path& folder) {
-  if (root.has("scenario") && !root.is_table("scenario"))
-    return read_scenario_file(folder / root.text("scenario"));
-  return read_scenario(root.table("scenario"));
-}
-
-/// Refuses a name that nothing would use: neither the scenario knows it nor a tie builds on it.
-void check_known(const TomlTable& table, const std::string& name,
-                 const std::vector<std::string>& known, const std::set<std::string>& sources) {
-  if (sources.count(name) > 0 || std::find(known.begin(), known.end(), name) != known.end()) return;
-  const auto similar = closest_name(name, known);
-  table.fail(name,
-             similar.empty()
-                 ? fmt::format("the scenario has no parameter {} and no tie uses it; it has {}",
-                               name, listed(known))
-                 : fmt::format("the scenario has no parameter {} and no tie uses it; did you "
-                               "mean {}?",
-                               name, similar));
-}
-
-/// Names become columns of tables and keys of result.toml.
-void check_name(const TomlTable& parameters, const std::string& name,
-                const std::vector<std::string>& kpis) {
-  const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
-    return c < 0x80 && (std::isalnum(c) != 0 || c == '_');
-  });
-  if (!plain) parameters.fail(name, "a name may hold letters, digits and _ only");
-  static const std::set<std::string> kColumns{
-      "phase", "point", "batch", "repetition", "seed", "failure", "run", "wall_time_s", "pair"};
-  if (kColumns.count(name) > 0 || std::find(kpis.begin(), kpis.end(), name) != kpis.end())
-    parameters.fail(name, "this name is taken by a column of the tables of runs; choose another");
-}
-
 ParameterSpace read_space(const TomlTable& root, const std::vector<std::string>& known,
                           const std::vector<std::string>& kpis) {
-  std::vector<Tie> ties;
-  std::set<std::string> sources;
-  const auto tie_table = root.table_if_present("ties");
-  if (tie_table)
-    for (const auto& name : tie_table->keys()) {
-      check_known(*tie_table, name, known, {});
-      ties.push_back({.name = name, .sources = tie_table->texts(name)});
-      sources.insert(ties.back().sources.begin(), ties.back().sources.end());
-    }
+  auto [ties, sources, fixed] = read_ties_and_fixed(root, known);
   const auto parameters = root.table("parameters");
   std::vector<Parameter> free;
   for (const auto& name : parameters.keys()) {
-    check_name(parameters, name, kpis);
-    check_known(parameters, name, known, sources);
+    for (const auto& wrong : {unusable_name(name, kpis), unknown_name(name, known, sources)})
+      if (!wrong.empty()) parameters.fail(name, wrong);
     free.push_back(read_parameter(parameters, name));
     if (free.back().kind != ParameterKind::continuous)
       parameters.fail(name,
@@ -80,12 +38,6 @@ ParameterSpace read_space(const TomlTable& root, const std::vector<std::string>&
   if (free.size() < kFewestFactors || free.size() > kMostFactors)
     parameters.fail("", fmt::format("there are {} parameters; a screening needs {} to {}",
                                     free.size(), kFewestFactors, kMostFactors));
-  ParameterValues fixed;
-  if (const auto table = root.table_if_present("fixed"))
-    for (const auto& name : table->keys()) {
-      check_known(*table, name, known, sources);
-      fixed[name] = table->number(name);
-    }
   try {
     return ParameterSpace(std::move(free), std::move(fixed), std::move(ties));
   } catch (const InputError& error) {
@@ -173,12 +125,6 @@ void read_plans(const TomlTable& root, Study& study) {
   if (const auto t = root.table_if_present("verification"))
     study.verification.repetitions =
         count(*t, "repetitions", study.verification.repetitions, kAtLeastOne);
-  if (const auto t = root.table_if_present("compute")) {
-    study.compute.workers =
-        static_cast<unsigned>(t->integer_or("workers", 0, {.lower = 0, .upper = 4096}));
-    study.compute.time_limit_s =
-        t->number_or("time_limit_s", study.compute.time_limit_s, kPositive);
-  }
 }
 
 /// A study whose simulations cannot be built is refused before any of them runs: the middle of the
@@ -220,11 +166,13 @@ std::vector<opt::Target> Study::plain_targets() const {
 Study read_study(const std::filesystem::path& path) {
   const auto root = TomlTable::read_file(path);
   Study study{.title = root.text_or("title", path.stem().string()),
-              .scenario = read_scenario_of(root, path.parent_path()),
+              .scenario = read_scenario_key(root, path.parent_path()),
               .seed = static_cast<std::uint64_t>(root.integer_or("seed", 1, {.lower = 0.0}))};
   study.space = read_space(root, study.scenario.parameter_names(), study.scenario.kpi_names());
   study.targets = read_targets(root, study.scenario.kpi_names());
   read_plans(root, study);
+  study.compute = read_compute_plan(root, path.parent_path());
+  study.failures = read_failure_policy(root, study.scenario.kpi_names());
   root.refuse_unknown_keys();
   check_cases(study, root);
   return study;

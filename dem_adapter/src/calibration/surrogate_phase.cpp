@@ -84,37 +84,50 @@ Matrix embed(const Study& study, const std::vector<std::string>& names,
   return full;
 }
 
-SurrogateSet fit_surrogates(const Study& study, const Dataset& data,
-                            const std::vector<std::string>& parameters) {
-  std::vector<const Observation*> rows;
+namespace {
+
+/// The runs that have a value of a KPI: their places over `parameters`, one a row, and the values.
+struct TrainingData {
+  Matrix x;
+  Vector y;
+};
+TrainingData training_data(const Study& study, const Dataset& data,
+                           const std::vector<std::string>& parameters, const std::string& kpi) {
+  std::vector<std::pair<const Point*, double>> rows;
   for (const auto& o : data.observations)
-    if (o.outcome.usable() && trains(study, data.points[o.point])) rows.push_back(&o);
+    if (const auto value = o.kpi(kpi); value && trains(study, data.points[o.point]))
+      rows.emplace_back(&data.points[o.point], *value);
   if (rows.size() < 2 * (parameters.size() + 1))
     throw SimulationError(
-        fmt::format("only {} of {} runs can be used, too few to learn from; {}; choose ranges in "
-                    "which the material flows",
-                    rows.size(), data.observations.size(), failure_summary(data)));
+        fmt::format("only {} of {} runs have a value of {}, too few to learn from; {}; choose "
+                    "ranges in which the material flows",
+                    rows.size(), data.observations.size(), kpi, failure_summary(data)));
   Matrix full(static_cast<Eigen::Index>(rows.size()),
               static_cast<Eigen::Index>(study.space.dimension()));
+  Vector y(full.rows());
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    full.row(static_cast<Eigen::Index>(i)) = data.points[rows[i]->point].unit.transpose();
+    full.row(static_cast<Eigen::Index>(i)) = rows[i].first->unit.transpose();
+    y[static_cast<Eigen::Index>(i)] = rows[i].second;
   }
-  const Matrix x = project(study, parameters, full);
-  const auto d = x.cols();
-  const opt::Bounds unit{Vector::Zero(d), Vector::Ones(d)};
+  return {.x = project(study, parameters, full), .y = std::move(y)};
+}
 
+}  // namespace
+
+SurrogateSet fit_surrogates(const Study& study, const Dataset& data,
+                            const std::vector<std::string>& parameters) {
+  const auto d = static_cast<Eigen::Index>(parameters.size());
+  const opt::Bounds unit{Vector::Zero(d), Vector::Ones(d)};
+  auto options = study.surrogate;
+  options.seed = study.seed;
+  options.threads = study.compute.workers;
   SurrogateSet set;
   set.parameters = parameters;
-  set.x = x;
   for (const auto& target : study.targets) {
-    Vector y(x.rows());
-    for (std::size_t i = 0; i < rows.size(); ++i)
-      y[static_cast<Eigen::Index>(i)] = rows[i]->outcome.measurement.kpis.at(target.target.name);
-    auto options = study.surrogate;
-    options.seed = study.seed;
-    options.threads = study.compute.workers;
+    auto [x, y] = training_data(study, data, parameters, target.target.name);
     set.models.push_back(surrogate::GaussianProcess::fit(x, y, unit, options));
     set.r2.push_back(r2_of_points(set.models.back(), x, y));
+    set.x.push_back(std::move(x));
     set.y.push_back(std::move(y));
   }
   return set;
@@ -124,7 +137,7 @@ VisitedPoints visited_points(const Study& study, const Dataset& data,
                              const std::vector<std::string>& names) {
   std::vector<bool> usable(data.points.size(), false);
   for (const auto& o : data.observations)
-    if (o.outcome.usable()) usable[o.point] = true;
+    if (!o.outcome.failed()) usable[o.point] = true;
   std::vector<Vector> good, bad;
   for (std::size_t p = 0; p < data.points.size(); ++p)
     if (trains(study, data.points[p])) (usable[p] ? good : bad).push_back(data.points[p].unit);

@@ -1,184 +1,256 @@
 #include "repose/dem_adapter/campaign.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cmath>
-#include <cstring>
-#include <map>
-#include <mutex>
-#include <thread>
+#include <nlohmann/json.hpp>
 
-#include "outcome_file.hpp"
+#include "directory_lock.hpp"
+#include "outcome_json.hpp"
 #include "repose/base/error.hpp"
 #include "repose/base/file.hpp"
+#include "repose/base/random.hpp"
 #include "repose/base/text.hpp"
 #include "repose/base/thread_pool.hpp"
 #include "repose/scene/run_output.hpp"
+#include "tally.hpp"
 
 namespace repose::dem_adapter {
+namespace {
+
+constexpr std::uint64_t kRetryStream = 400;
+constexpr int kKillsBelieved = 3;  // killed by others so often in a row, it is about the run
+
+std::filesystem::path parts_file(const std::filesystem::path& folder) {
+  return folder / "parts.json";
+}
+
+/// What earlier parts of a run that goes on have used.
+Resources earlier_parts(const std::filesystem::path& folder) {
+  if (!std::filesystem::exists(parts_file(folder))) return {.parts = 0};
+  try {
+    return parse_resources(read_file(parts_file(folder)));
+  } catch (const nlohmann::json::exception&) {
+    return {.parts = 0};
+  }
+}
+
+/// Leaves a run's folder as it is if the engine can go on in it, else without what it wrote.
+void prepare(const std::filesystem::path& folder, const std::string& case_text) {
+  std::error_code code;
+  if (!std::filesystem::exists(scene::checkpoint_file(folder / "output"))) {
+    for (const char* name : {"output", "engine.log", "parts.json"})
+      std::filesystem::remove_all(folder / name, code);
+    if (code)
+      throw StorageError(fmt::format("cannot clear '{}': {}", folder.string(), code.message()));
+  }
+  const auto case_file = folder / "case.toml";
+  if (!std::filesystem::exists(case_file) || read_file(case_file) != case_text)
+    write_file_atomically(case_file, case_text);
+}
+
+}  // namespace
+
+Measure measure_of(const Scenario& scenario) {
+  return {fmt::format("{} {}: {}", scenario.name(), version(), listed(scenario.kpi_names())),
+          [scenario](const std::filesystem::path& output) {
+            return scenario.measure(scene::read_run(output));
+          }};
+}
 
 Campaign::Campaign(std::filesystem::path directory, Engine engine, Measure measure,
                    CampaignOptions options)
     : directory_(std::move(directory)),
       engine_(std::move(engine)),
       measure_(std::move(measure)),
-      options_(options) {
-  if (options_.workers == 0) options_.workers = std::max(1U, std::thread::hardware_concurrency());
-  make_directory(directory_ / "runs");
-  const auto lock_file = directory_ / ".lock";
-  lock_ = ::open(lock_file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (lock_ < 0)
-    throw StorageError(
-        fmt::format("cannot write in '{}': {}", directory_.string(), std::strerror(errno)));
-  if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
-    const int code = errno;
-    ::close(lock_);
-    throw StorageError(
-        code == EWOULDBLOCK
-            ? fmt::format("another process is working in '{}'; wait for it or choose another "
-                          "directory",
-                          directory_.string())
-            : fmt::format("cannot lock '{}': {}", lock_file.string(), std::strerror(code)));
-  }
+      options_(std::move(options)),
+      workers_(runs_at_once(options_.compute)) {
+  const auto& store = options_.compute.store;
+  lock_ = std::make_unique<DirectoryLock>(directory_);
+  store_ = std::make_unique<RunStore>(store.empty() ? directory_ : store, StoreAccess::write);
+  plan_ = {.store = std::filesystem::absolute(store_->directory()),
+           .retry_on = options_.failures.retry_on,
+           .runs = {}};
 }
 
-Campaign::~Campaign() {
-  ::close(lock_);
+Campaign::~Campaign() = default;
+
+bool Campaign::wants_retry(const RunOutcome& outcome) const {
+  const auto& on = options_.failures.retry_on;
+  return std::find(on.begin(), on.end(), outcome.measurement.outcome) != on.end();
 }
 
-std::string Campaign::key_of(const std::string& case_text) const {
-  return fmt::format("{:016x}", content_hash(engine_.name() + '\n' + case_text));
+Campaign::Attempt Campaign::attempt_of(scene::Case scene, int attempt) const {
+  if (attempt > 0)
+    scene.seed =
+        derive_seed(derive_seed(scene.seed, kRetryStream), static_cast<std::uint64_t>(attempt));
+  auto text = scene::case_text(scene);
+  auto key = run_key(engine_.name(), text);
+  return {.scene = std::move(scene), .text = std::move(text), .key = std::move(key)};
 }
 
-std::optional<RunOutcome> Campaign::recorded(const std::string& key,
-                                             const std::string& case_text) const {
-  const auto folder = directory_ / "runs" / key;
-  auto outcome = read_outcome(folder / "outcome.json");
+std::optional<RunOutcome> Campaign::recorded(const Attempt& attempt) const {
+  const auto outcome = store_->find(attempt.key);
   if (!outcome) return std::nullopt;
-  if (read_file(folder / "case.toml") != case_text)
+  const auto folder = store_->folder(attempt.key);
+  if (read_file(folder / "case.toml") != attempt.text)
     throw StorageError(fmt::format(
         "'{}' belongs to another case than its name says; move that folder away", folder.string()));
-  const bool more_time =
-      options_.time_limit_s == 0.0 || options_.time_limit_s > outcome->exceeded_limit_s;
+  const double limit = options_.compute.time_limit_s;
+  const bool more_time = limit == 0.0 || limit > outcome->exceeded_limit_s;
   if (outcome->exceeded_limit_s > 0.0 && more_time) return std::nullopt;
-  return outcome;
+  return outcome->measured_by.empty() || outcome->measured_by == measure_.name
+             ? outcome
+             : measured_anew(*outcome);
 }
 
-RunOutcome Campaign::run_one(const std::string& key, const std::string& case_text,
-                             const std::atomic<bool>& given_up) const {
-  const auto cancelled = [&] {
-    return given_up || (options_.cancelled != nullptr && *options_.cancelled);
-  };
-  if (cancelled()) throw Interrupted();
-  const auto folder = directory_ / "runs" / key;
-  std::error_code code;
-  if (!std::filesystem::exists(scene::checkpoint_file(folder / "output")))
-    std::filesystem::remove_all(folder / "output", code);  // of a run that cannot go on
-  if (code)
-    throw StorageError(
-        fmt::format("cannot remove '{}': {}", (folder / "output").string(), code.message()));
-  make_directory(folder);
-  write_file_atomically(folder / "case.toml", case_text);
-  const auto exit = engine_.run(
-      {.directory = folder, .time_limit_s = options_.time_limit_s, .cancelled = cancelled});
-  if (exit.status == EngineStatus::cancelled) throw Interrupted();
-  RunOutcome outcome{.key = key, .measurement = {}, .wall_time_s = exit.wall_time_s};
-  if (exit.status == EngineStatus::timed_out) outcome.exceeded_limit_s = options_.time_limit_s;
-  if (exit.status == EngineStatus::finished)
-    outcome.measurement = measured(folder / "output");
-  else
-    outcome.measurement.failure = exit.message;
-  write_outcome(folder / "outcome.json", outcome, engine_.name());
+/// Other KPIs were wanted when it was measured, or it was measured in another way.
+std::optional<RunOutcome> Campaign::measured_anew(RunOutcome outcome) const {
+  const auto output = store_->folder(outcome.key) / "output";
+  if (!std::filesystem::is_directory(output)) return std::nullopt;  // it was cleaned away
+  outcome.measurement = measured(output);
+  outcome.measured_by = measure_.name;
+  store_->record(outcome);
   return outcome;
 }
 
 Measurement Campaign::measured(const std::filesystem::path& output) const {
   Measurement m;
   try {
-    m = measure_(output);
+    m = measure_.of(output);
   } catch (const Error& error) {
-    if (error.kind() == ErrorKind::storage || error.kind() == ErrorKind::internal) throw;
-    m.failure = fmt::format("its output cannot be measured: {}", error.what());
+    if (error.kind() == ErrorKind::internal) throw;
+    m.fail(Outcome::output_unreadable,
+           fmt::format("its output cannot be measured: {}", error.what()));
   }
-  for (const auto& [name, value] : m.kpis)
-    if (!std::isfinite(value) && m.failure.empty())
-      m.failure = fmt::format("{} is {}: the scenario gave no finite value", name, value);
-  if (!m.failure.empty()) m.kpis.clear();
-  std::erase_if(m.details, [](const auto& detail) { return !std::isfinite(detail.second); });
+  m.drop_undefined_kpis();
   return m;
 }
 
-std::vector<RunOutcome> Campaign::run(const std::vector<scene::Case>& cases,
-                                      const ProgressCallback& progress) const {
-  std::vector<std::string> keys;
-  std::map<std::string, std::string> texts;  // by key: equal cases are one run
-  std::vector<std::string> order;
-  for (const auto& c : cases) {
-    auto text = scene::case_text(c);
-    keys.push_back(key_of(text));
-    const auto [it, is_new] = texts.emplace(keys.back(), text);
-    REPOSE_ASSERT(it->second == text, "two cases share the key " + keys.back());
-    if (is_new) order.push_back(keys.back());
+EngineExit Campaign::run_engine(const std::filesystem::path& folder,
+                                const std::function<bool()>& cancelled) const {
+  auto used = earlier_parts(folder);
+  for (int kills = 0;;) {
+    auto exit = engine_.run({.directory = folder,
+                             .ranks = options_.compute.ranks,
+                             .time_limit_s = options_.compute.time_limit_s,
+                             .cancelled = cancelled});
+    used += exit.resources;
+    exit.resources = used;
+    if (exit.status == EngineStatus::finished || exit.status == EngineStatus::failed) return exit;
+    write_file_atomically(parts_file(folder), resources_text(used));
+    if (exit.status == EngineStatus::cancelled || cancelled()) throw Interrupted();
+    if (exit.status == EngineStatus::timed_out || ++kills == kKillsBelieved) return exit;
   }
-  std::mutex mutex;
-  std::map<std::string, RunOutcome> outcomes;
-  std::size_t failed = 0;
+}
+
+RunOutcome Campaign::run_one(const Attempt& attempt, const std::atomic<bool>& given_up) const {
+  const auto cancelled = [&] { return given_up || stop() == Stop::now; };
+  if (cancelled() || stop() != Stop::no) throw Interrupted();
+  const auto folder = store_->folder(attempt.key);
+  const auto claim = RunClaim::take(folder, cancelled);
+  if (!claim) throw Interrupted();
+  if (auto done = recorded(attempt)) return *done;             // somebody else was faster
+  if (store_->find(attempt.key)) store_->forget(attempt.key);  // done again, with more time
+  prepare(folder, attempt.text);
+  const auto exit = run_engine(folder, cancelled);
+  RunOutcome outcome{.key = attempt.key,
+                     .seed = attempt.scene.seed,
+                     .engine = engine_.name(),
+                     .resources = exit.resources};
+  switch (exit.status) {
+    case EngineStatus::finished:
+      outcome.measurement = measured(folder / "output");
+      outcome.measured_by = measure_.name;
+      break;
+    case EngineStatus::timed_out:
+      outcome.exceeded_limit_s = options_.compute.time_limit_s;
+      outcome.measurement.fail(Outcome::time_limit, exit.message);
+      break;
+    case EngineStatus::killed:
+      outcome.measurement.fail(Outcome::killed, exit.message);
+      break;
+    default:
+      outcome.measurement.fail(exit.failure, exit.message);
+  }
+  store_->record(outcome);
+  return outcome;
+}
+
+RunOutcome Campaign::brought_about(const scene::Case& scene,
+                                   const std::atomic<bool>& given_up) const {
+  for (int i = 0;; ++i) {
+    const auto attempt = attempt_of(scene, i);
+    auto outcome = recorded(attempt);
+    if (!outcome) outcome = run_one(attempt, given_up);
+    if (i == options_.failures.retries || !wants_retry(*outcome)) return *outcome;
+  }
+}
+
+void Campaign::run(const WantedRuns& wanted, const ProgressCallback& progress) const {
+  Tally tally(wanted.count, options_.failures.stop_above, progress);
   // What is finished is read first, so that the rate shown is that of new runs.
-  std::vector<std::string> open;
-  for (const auto& key : order) {
-    if (auto outcome = recorded(key, texts.at(key))) {
-      failed += outcome->usable() ? 0 : 1;
-      outcomes.emplace(key, std::move(*outcome));
-    } else {
-      open.push_back(key);
+  std::vector<std::size_t> open;
+  for (std::size_t i = 0; i < wanted.count; ++i) {
+    const auto scene = wanted.make_case(i);
+    auto& keys = plan_.runs.emplace_back();
+    std::map<std::string, RunOutcome> known;
+    for (int k = 0; k <= options_.failures.retries; ++k) {
+      const auto attempt = attempt_of(scene, k);
+      keys.push_back(attempt.key);
+      if (auto outcome = recorded(attempt)) known.emplace(attempt.key, std::move(*outcome));
     }
+    const auto outcome = settled(keys, plan_.retry_on, [&](const std::string& key) {
+      const auto it = known.find(key);
+      return it == known.end() ? std::nullopt : std::optional(it->second);
+    });
+    if (outcome)
+      tally.found(*outcome);
+    else
+      open.push_back(i);
   }
-  const auto report = [&] {
-    if (!progress) return;
-    const auto note = fmt::format("{} of {} runs{}", outcomes.size(), order.size(),
-                                  failed > 0 ? fmt::format(", {} failed", failed) : "");
-    progress(static_cast<double>(outcomes.size()), static_cast<double>(order.size()), note);
-  };
-  report();
+  write_plan(directory_, plan_);
+  tally.begin();
   std::atomic<bool> given_up{false};
+  std::mutex mutex;
   std::exception_ptr reason;  // of giving up: an error that concerns every run
-  parallel_for(open.size(), options_.workers, [&](std::size_t i) {
-    RunOutcome outcome;
+  parallel_for(open.size(), workers_, [&](std::size_t i) {
     try {
-      outcome = run_one(open[i], texts.at(open[i]), given_up);
+      tally.finished(brought_about(wanted.make_case(open[i]), given_up));
     } catch (const Interrupted&) {
       if (!given_up) throw;
-      return;
     } catch (...) {
       const std::lock_guard lock(mutex);
       if (!reason) reason = std::current_exception();
       given_up = true;
-      return;
     }
-    const std::lock_guard lock(mutex);
-    failed += outcome.usable() ? 0 : 1;
-    outcomes.emplace(open[i], std::move(outcome));
-    report();
   });
   if (reason) std::rethrow_exception(reason);
-  std::vector<RunOutcome> result;
-  for (const auto& key : keys) result.push_back(outcomes.at(key));
-  return result;
+}
+
+std::vector<RunOutcome> Campaign::run(const std::vector<scene::Case>& cases,
+                                      const ProgressCallback& progress) const {
+  run({.count = cases.size(), .make_case = [&](std::size_t i) { return cases[i]; }}, progress);
+  std::vector<RunOutcome> outcomes;
+  const auto find = [this](const std::string& key) { return store_->find(key); };
+  for (std::size_t i = plan_.runs.size() - cases.size(); i < plan_.runs.size(); ++i) {
+    auto outcome = settled(plan_.runs[i], plan_.retry_on, find);
+    if (!outcome)
+      throw StorageError(fmt::format("the folder of run {} in '{}' was removed meanwhile",
+                                     plan_.runs[i].front(), store_->directory().string()));
+    outcomes.push_back(std::move(*outcome));
+  }
+  return outcomes;
 }
 
 double mean_wall_time_s(const std::filesystem::path& directory) {
   if (!std::filesystem::is_directory(directory / "runs")) return 0.0;
+  const RunStore store(directory, StoreAccess::read);
   double sum = 0.0;
   int runs = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(directory / "runs"))
-    if (const auto outcome = read_outcome(entry.path() / "outcome.json");
-        outcome && outcome->usable()) {
-      sum += outcome->wall_time_s;
+  for (const auto& key : store.keys())
+    if (const auto outcome = store.find(key); outcome && !outcome->failed()) {
+      sum += outcome->resources.wall_time_s;
       ++runs;
     }
   return runs > 0 ? sum / runs : 0.0;

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -53,7 +54,7 @@ pid_t start(const std::filesystem::path& program, const std::vector<std::string>
   for (const auto& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
   const int out =
-      log.empty() ? -1 : ::open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+      log.empty() ? -1 : ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (!log.empty() && out < 0) return -1;
   const pid_t parent = ::getpid();
   const pid_t child = ::fork();
@@ -77,15 +78,36 @@ pid_t start(const std::filesystem::path& program, const std::vector<std::string>
   return child;
 }
 
-/// The last line of a log that says something, for the reason of a failure.
-std::string last_line(const std::filesystem::path& log) {
+std::size_t size_of(const std::filesystem::path& file) {
+  std::error_code code;
+  const auto size = std::filesystem::file_size(file, code);
+  return code ? 0 : static_cast<std::size_t>(size);
+}
+
+/// The last line that says something from byte `from` of a log, for the reason of a failure.
+std::string last_line(const std::filesystem::path& log, std::size_t from) {
   if (log.empty()) return "see its message above";
-  std::istringstream text(read_file(log));
+  std::istringstream text(read_file(log).substr(from));
   std::string last;
   for (std::string line; std::getline(text, line);)
     if (line.find_first_not_of(" \t\r") != std::string::npos) last = line;
   constexpr std::size_t kLongest = 400;
   return last.size() > kLongest ? last.substr(0, kLongest) + "..." : last;
+}
+
+/// The failures of repose-dem that have a name, by what only their messages contain.
+Outcome outcome_of(const std::string& message) {
+  struct Sign {
+    const char* words;
+    Outcome outcome;
+  };
+  static constexpr Sign kSigns[] = {{"left the domain", Outcome::particles_lost},
+                                    {"has the position", Outcome::non_finite},
+                                    {"raise youngs_modulus_pa", Outcome::unphysical},
+                                    {"lower the time step", Outcome::unphysical}};
+  for (const auto& sign : kSigns)
+    if (message.find(sign.words) != std::string::npos) return sign.outcome;
+  return Outcome::engine_failed;
 }
 
 /// A code that says nothing about this run but that no run can succeed: bad input, a full disk, a
@@ -100,17 +122,64 @@ void throw_if_not_the_run(int code, const std::string& message,
     throw Error(ErrorKind::internal, text);
 }
 
-/// Somebody ended the engine: the machine shutting down, the kernel out of memory, a user. That too
-/// says nothing about the run, which is done again when the study goes on.
-void throw_if_killed(int status, const std::filesystem::path& program) {
+/// The signal by which somebody ended the engine, 0 if nobody did: the machine shutting down, the
+/// kernel out of memory, a user.
+int killed_by(int status) {
   const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : WEXITSTATUS(status) - 128;
   for (const int from_outside : {SIGKILL, SIGTERM, SIGINT, SIGHUP})
-    if (signal == from_outside)
-      throw SimulationError(
-          fmt::format("{} was killed by signal {}, not by us (out of memory? a shutdown?); nothing "
-                      "is lost, the same "
-                      "command goes on",
-                      program.filename().string(), signal));
+    if (signal == from_outside) return signal;
+  return 0;
+}
+
+Resources resources_of(const rusage& usage, double wall_time_s, int ranks) {
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return {.wall_time_s = wall_time_s,
+          .cpu_time_s = seconds(usage.ru_utime) + seconds(usage.ru_stime),
+          .peak_memory_bytes = std::int64_t{1024} * usage.ru_maxrss,
+          .ranks = ranks};
+}
+
+/// A running engine until it has ended, by itself or told to.
+struct Ending {
+  int status = 0;
+  EngineStatus asked = EngineStatus::finished;  ///< timed_out or cancelled if it was told to end
+  rusage usage{};
+  double wall_time_s = 0.0;
+};
+
+Ending wait_for(pid_t child, const EngineJob& job, double grace_s) {
+  const auto began = Clock::now();
+  const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - began).count(); };
+  Ending ending;
+  double asked_at = 0.0;
+  for (;;) {
+    const pid_t waited = ::wait4(child, &ending.status, WNOHANG, &ending.usage);
+    if (waited == child) break;
+    if (waited < 0 && errno != EINTR)
+      throw Error(ErrorKind::internal,
+                  fmt::format("lost track of the engine: {}", std::strerror(errno)));
+    const double now = elapsed();
+    const bool cancelled = job.cancelled && job.cancelled();
+    if (ending.asked == EngineStatus::finished) {
+      const bool late = job.time_limit_s > 0.0 && now > job.time_limit_s;
+      if (cancelled || late) {
+        ending.asked = cancelled ? EngineStatus::cancelled : EngineStatus::timed_out;
+        ::kill(-child, SIGTERM);
+        asked_at = now;
+      }
+    } else if (now - asked_at > grace_s) {
+      ::kill(-child, SIGKILL);
+    }
+    std::this_thread::sleep_for(kPoll);
+  }
+  ::kill(-child, SIGKILL);  // whatever it may have left behind in its group
+  if (ending.asked == EngineStatus::finished && job.cancelled && job.cancelled() &&
+      killed_by(ending.status) != 0)
+    ending.asked = EngineStatus::cancelled;  // both of us were told to stop, the engine was faster
+  ending.wall_time_s = elapsed();
+  return ending;
 }
 
 /// Names a build of the engine: two builds may differ in physics under the same version.
@@ -139,56 +208,41 @@ std::string BundledEngine::name() const {
 EngineExit BundledEngine::run(const EngineJob& job) const {
   const bool to_log = job.streams == EngineStreams::to_log;
   const auto log = to_log ? job.directory / "engine.log" : std::filesystem::path();
-  const auto began = Clock::now();
-  const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - began).count(); };
+  const auto said_before = size_of(log);
   std::vector<std::string> arguments{(job.directory / "case.toml").string(), "-o",
                                      (job.directory / "output").string()};
   if (to_log) arguments.emplace_back("--quiet");
+  if (job.ranks > 1) {
+    arguments.emplace_back("--ranks");
+    arguments.push_back(std::to_string(job.ranks));
+  }
   const pid_t child = start(program_, arguments, log);
   if (child < 0)
     throw StorageError(fmt::format("cannot start {}: {}", program_.string(), std::strerror(errno)));
-
-  EngineExit result;
-  int status = 0;
-  double ended_at = -1.0;  // when we asked it to end
-  for (;;) {
-    const pid_t waited = ::waitpid(child, &status, WNOHANG);
-    if (waited == child) break;
-    if (waited < 0 && errno != EINTR) {
-      result.message = fmt::format("lost track of the engine: {}", std::strerror(errno));
-      return result;
-    }
-    const double now = elapsed();
-    if (ended_at < 0.0) {
-      const bool cancelled = job.cancelled && job.cancelled();
-      const bool late = job.time_limit_s > 0.0 && now > job.time_limit_s;
-      if (cancelled || late) {
-        result.status = cancelled ? EngineStatus::cancelled : EngineStatus::timed_out;
-        ::kill(-child, SIGTERM);
-        ended_at = now;
-      }
-    } else if (now - ended_at > grace_s_) {
-      ::kill(-child, SIGKILL);
-    }
-    std::this_thread::sleep_for(kPoll);
-  }
-  ::kill(-child, SIGKILL);  // whatever it may have left behind in its group
-  result.wall_time_s = elapsed();
-  if (ended_at < 0.0 && job.cancelled && job.cancelled())
-    result.status = EngineStatus::cancelled;  // both of us were told to stop, the engine was faster
-  if (ended_at >= 0.0 || result.status == EngineStatus::cancelled) {
+  const auto ending = wait_for(child, job, grace_s_);
+  const int status = ending.status;
+  EngineExit result{.status = ending.asked,
+                    .message = "",
+                    .resources = resources_of(ending.usage, ending.wall_time_s, job.ranks)};
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) {
+    result.status = EngineStatus::finished;  // even if it was about to be told to end
+  } else if (ending.asked == EngineStatus::timed_out) {
     result.message =
-        result.status == EngineStatus::timed_out
-            ? fmt::format("it exceeded the time limit of {}", duration_text(job.time_limit_s))
-            : "stopped by the user";
-  } else if (WIFEXITED(status) && WEXITSTATUS(status) == 0) {
-    result.status = EngineStatus::finished;
+        fmt::format("it exceeded the time limit of {}", duration_text(job.time_limit_s));
+  } else if (ending.asked == EngineStatus::cancelled) {
+    result.message = "stopped by the user";
+  } else if (const int signal = killed_by(status); signal != 0) {
+    result.status = EngineStatus::killed;
+    result.message = fmt::format("it was killed by signal {}, not by us (out of memory?)", signal);
+  } else if (WIFSIGNALED(status)) {
+    result.status = EngineStatus::failed;
+    result.failure = Outcome::crash;
+    result.message = fmt::format("the engine crashed with signal {}", WTERMSIG(status));
   } else {
-    throw_if_killed(status, program_);
-    if (WIFEXITED(status)) throw_if_not_the_run(WEXITSTATUS(status), last_line(log), program_);
-    result.message = WIFEXITED(status)
-                         ? last_line(log)
-                         : fmt::format("the engine was killed by signal {}", WTERMSIG(status));
+    result.status = EngineStatus::failed;
+    result.message = last_line(log, said_before);
+    throw_if_not_the_run(WEXITSTATUS(status), result.message, program_);
+    result.failure = outcome_of(result.message);
     if (result.message.empty())
       result.message = fmt::format("the engine ended with code {}", WEXITSTATUS(status));
   }

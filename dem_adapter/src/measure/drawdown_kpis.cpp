@@ -111,10 +111,12 @@ Measurement Drawdown::measure(const scene::Run& run) const {
   m.details["largest_overlap_ratio"] = run.summary().largest_overlap_ratio;
   m.details["discharged_fraction"] = fraction;
   if (fraction < kJammed) {
-    m.failure = fmt::format(
-        "{}: a fraction of {:.3f} was discharged, less than {}; widen the outlet or lower the "
-        "friction",
-        fraction < 0.005 ? "nothing flowed" : "the outlet jammed", fraction, kJammed);
+    const auto outcome = fraction < 0.005 ? Outcome::nothing_flowed : Outcome::jammed_outlet;
+    m.fail(outcome,
+           fmt::format("{}: a fraction of {:.3f} was discharged, less than {}; widen the outlet or "
+                       "lower the friction",
+                       outcome == Outcome::nothing_flowed ? "nothing flowed" : "the outlet jammed",
+                       fraction, kJammed));
     return m;
   }
   const auto [half, slot, wall, floor] = rig_of(run.scene());
@@ -137,12 +139,7 @@ Measurement Drawdown::measure(const scene::Run& run) const {
   m.details["angle_of_repose_right_deg"] = repose.right_deg;
   m.details["heap_half_base_m"] = 0.5 * (repose.left_end_m + repose.right_end_m);
   m.details["time_98_percent_s"] = flow.time_98_s;
-  for (const auto& [name, value] : m.kpis)
-    if (!std::isfinite(value) && m.failure.empty())
-      m.failure =
-          fmt::format("{} is undefined: its edge or its mass curve has too few points", name);
-  if (!m.failure.empty()) m.kpis.clear();
-  std::erase_if(m.details, [](const auto& detail) { return !std::isfinite(detail.second); });
+  m.drop_undefined_kpis();  // an edge or a mass curve with too few points
   if (repose.left_end_m >= wall || repose.right_end_m >= wall)
     m.warnings.push_back(
         "the heap reached the wall of the lower box, which raises its angle by 1-2 degrees; widen "

@@ -76,13 +76,13 @@ Measurement measure_flow(const MassCurve& curve, const FlowOptions& options) {
   const Flow flow = discharge_flow(curve, options);
   Measurement m;
   if (!(flow.discharged_kg > 0.0)) {
-    m.failure = "nothing flowed: the mass does not fall";
+    m.fail(Outcome::nothing_flowed, "nothing flowed: the mass does not fall");
     return m;
   }
   if (!std::isfinite(flow.rate_kg_s)) {
-    m.failure =
-        "mass_flow_kg_s is undefined: fewer than two points of the mass curve lie in the "
-        "window; widen it";
+    m.fail(Outcome::non_finite,
+           "mass_flow_kg_s is undefined: fewer than two points of the mass curve lie in the "
+           "window; widen it");
     return m;
   }
   m.kpis = {{"mass_flow_kg_s", flow.rate_kg_s},

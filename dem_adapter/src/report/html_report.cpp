@@ -119,9 +119,10 @@ std::string coverage_figure(const Calibration& result, const CalibratedKpi& kpi)
     std::vector<double> x, y;
     for (std::size_t i = 0; i < result.data.observations.size(); ++i) {
       const auto& o = result.data.observations[i];
-      if (result.data.points[o.point].phase != phase || !o.outcome.usable()) continue;
+      const auto value = o.kpi(target.target.name);
+      if (result.data.points[o.point].phase != phase || !value || o.outcome.failed()) continue;
       x.push_back(static_cast<double>(i + 1));
-      y.push_back(o.outcome.measurement.kpis.at(target.target.name));
+      y.push_back(*value);
     }
     if (!x.empty()) figure.scatter(x, y, to_string(phase));
   }

@@ -111,7 +111,7 @@ surrogate::NamedModel model_in_natural_units(const Study& study, const Surrogate
                                              std::size_t j) {
   std::vector<surrogate::Input> inputs;
   auto hyper = set.models[j].hyperparameters();
-  Matrix x = set.x;
+  Matrix x = set.x[j];
   for (Eigen::Index k = 0; k < x.cols(); ++k)
     for (const auto& p : study.space.parameters()) {
       if (p.name != set.parameters[static_cast<std::size_t>(k)]) continue;

@@ -17,4 +17,10 @@ Scenario read_scenario_file(const std::filesystem::path& path) {
   return scenario;
 }
 
+Scenario read_scenario_key(const TomlTable& root, const std::filesystem::path& folder) {
+  if (root.has("scenario") && !root.is_table("scenario"))
+    return read_scenario_file(folder / root.text("scenario"));
+  return read_scenario(root.table("scenario"));
+}
+
 }  // namespace repose::dem_adapter

@@ -1,6 +1,7 @@
 // Calibration from parameters to proof: screen, sample, learn, improve, optimise, verify.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <optional>
 #include <string>
@@ -25,10 +26,17 @@ struct SurrogateSet {
   std::vector<std::string> parameters;
   std::vector<surrogate::GaussianProcess> models;  ///< one a target
   std::vector<double>
-      r2;    ///< of left-out points: 1 - sum (mean - predicted)^2 / sum (mean - grand mean)^2
-  Matrix x;  ///< what they were trained with: runs x parameters, unit coordinates
-  std::vector<Vector> y;  ///< of each target, one value a run
-  int runs() const { return static_cast<int>(x.rows()); }
+      r2;  ///< of left-out points: 1 - sum (mean - predicted)^2 / sum (mean - grand mean)^2
+  /// What each was trained with, the runs that have a value of its KPI: runs x parameters, unit
+  /// coordinates, and the values.
+  std::vector<Matrix> x;
+  std::vector<Vector> y;
+  /// The most that one was trained with.
+  int runs() const {
+    Eigen::Index most = 0;
+    for (const auto& rows : x) most = std::max(most, rows.rows());
+    return static_cast<int>(most);
+  }
 };
 
 /// One row of the history of adaptive sampling.

@@ -1,39 +1,45 @@
-// Many runs in one directory: several at once, each named by its content, none done twice, none
-// lost.
+// Many runs of an engine: several at once, none done twice, none lost, failures kept as results.
 #pragma once
 
 #include <atomic>
+#include <exception>
 #include <filesystem>
 #include <functional>
-#include <optional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "repose/base/progress.hpp"
+#include "repose/dem_adapter/compute_plan.hpp"
 #include "repose/dem_adapter/engine.hpp"
 #include "repose/dem_adapter/measurement.hpp"
+#include "repose/dem_adapter/run_plan.hpp"
+#include "repose/dem_adapter/run_store.hpp"
+#include "repose/dem_adapter/scenario.hpp"
 #include "repose/scene/case.hpp"
 
 namespace repose::dem_adapter {
 
-/// One run as recorded in its outcome.json.
-struct RunOutcome {
-  std::string key;  ///< folder under runs/
-  Measurement measurement;
-  double wall_time_s = 0.0;
-  double exceeded_limit_s = 0.0;  ///< the time limit that ended it; 0: it ended by itself
-  bool usable() const { return measurement.failure.empty(); }
+/// KPIs of a finished run from its output folder. A record of another `name` is measured again,
+/// without a new run, as long as its output is there.
+struct Measure {
+  std::string name;
+  std::function<Measurement(const std::filesystem::path& output)> of;
 };
+Measure measure_of(const Scenario& scenario);
 
-/// KPIs of a finished run, from its output folder.
-using Measure = std::function<Measurement(const std::filesystem::path& output)>;
+/// What the user wants of a campaign under way.
+enum class Stop {
+  no,
+  when_runs_end,  ///< begin no more runs
+  now             ///< end those under way, by a checkpoint if the engine has them
+};
+static_assert(std::atomic<Stop>::is_always_lock_free, "set inside a signal handler");
 
 struct CampaignOptions {
-  unsigned workers = 0;          ///< runs at once; 0: one for each processor
-  double time_limit_s = 3600.0;  ///< for one run
-  /// Becomes true when the user wants to stop: runs in flight are given up and Interrupted is
-  /// thrown.
-  const std::atomic<bool>* cancelled = nullptr;
+  ComputePlan compute = {};
+  FailurePolicy failures = {};
+  const std::atomic<Stop>* stop = nullptr;  ///< Interrupted is thrown then
 };
 
 /// Thrown when the user stopped a campaign; whatever finished is kept.
@@ -41,44 +47,68 @@ struct Interrupted : std::exception {
   const char* what() const noexcept override { return "stopped by the user"; }
 };
 
-/// A directory of runs. Layout: runs/KEY/{case.toml, engine.log, output/, outcome.json};
-/// outcome.json is written last and atomically, so a folder without it is a run that did not finish
-/// and is done again. A failed run has an outcome too, with its reason, and is not repeated, unless
-/// it ran out of time and the limit is higher now.
+/// The runs that a campaign wants, made when they are needed.
+struct WantedRuns {
+  std::size_t count = 0;
+  /// The same case for the same number, whenever asked; from several threads at once.
+  std::function<scene::Case(std::size_t)> make_case;
+};
+
+/// DIR/{.lock, plan.json} and a store, by default in the same directory. A failed run has an
+/// outcome too and is not repeated, unless it ran out of time and the limit is higher now.
 class Campaign {
  public:
   /// Takes the directory's lock. Throws StorageError if it cannot be made or another process has
-  /// it.
+  /// it, InputError for a plan that fits nothing.
   Campaign(std::filesystem::path directory, Engine engine, Measure measure,
            CampaignOptions options);
   ~Campaign();
   Campaign(const Campaign&) = delete;
   Campaign& operator=(const Campaign&) = delete;
 
-  /// One outcome for each case, in their order, whatever the number of workers. Equal cases are run
-  /// once. Progress counts runs; the note names failures.
+  /// Sees to it that every run wanted has an outcome, whatever the number of workers. Equal cases
+  /// are run once. Progress counts runs; its note names rate and failures. Throws Interrupted,
+  /// SimulationError if too many fail, and what concerns every run: a full disk, a missing engine.
+  /// Memory does not hold the cases, only some keys: below 1 kB a run.
+  void run(const WantedRuns& wanted, const ProgressCallback& progress = {}) const;
+  /// The same, with the outcomes in order of the cases.
   std::vector<RunOutcome> run(const std::vector<scene::Case>& cases,
                               const ProgressCallback& progress = {}) const;
 
   const std::filesystem::path& directory() const { return directory_; }
-  unsigned workers() const { return options_.workers; }
+  const RunStore& store() const { return *store_; }
+  const FailurePolicy& failures() const { return options_.failures; }
+  unsigned workers() const { return workers_; }
 
  private:
-  std::string key_of(const std::string& case_text) const;
+  /// A case with the first seed or a new one, and what it is called.
+  struct Attempt {
+    scene::Case scene;
+    std::string text, key;
+  };
+  Attempt attempt_of(scene::Case scene, int attempt) const;
   /// A recorded outcome that still stands.
-  std::optional<RunOutcome> recorded(const std::string& key, const std::string& case_text) const;
-  RunOutcome run_one(const std::string& key, const std::string& case_text,
-                     const std::atomic<bool>& given_up) const;
+  std::optional<RunOutcome> recorded(const Attempt& attempt) const;
+  std::optional<RunOutcome> measured_anew(RunOutcome outcome) const;
+  RunOutcome brought_about(const scene::Case& scene, const std::atomic<bool>& given_up) const;
+  RunOutcome run_one(const Attempt& attempt, const std::atomic<bool>& given_up) const;
+  EngineExit run_engine(const std::filesystem::path& folder,
+                        const std::function<bool()>& cancelled) const;
   Measurement measured(const std::filesystem::path& output) const;
+  bool wants_retry(const RunOutcome& outcome) const;
+  Stop stop() const { return options_.stop != nullptr ? options_.stop->load() : Stop::no; }
 
   std::filesystem::path directory_;
   Engine engine_;
   Measure measure_;
   CampaignOptions options_;
-  int lock_ = -1;
+  unsigned workers_;
+  std::unique_ptr<class DirectoryLock> lock_;
+  std::unique_ptr<RunStore> store_;
+  mutable RunPlan plan_;
 };
 
-/// Mean wall time of the usable runs that a campaign's directory holds, s; 0 if there are none.
+/// Mean wall time of the finished runs that a campaign's directory holds, s; 0 if there are none.
 double mean_wall_time_s(const std::filesystem::path& directory);
 
 }  // namespace repose::dem_adapter

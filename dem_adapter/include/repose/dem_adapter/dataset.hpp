@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,17 +25,20 @@ struct Point {
 struct Observation {
   std::size_t point = 0;  ///< index into Dataset::points
   int repetition = 0;
-  std::uint64_t seed = 0;
+  std::uint64_t seed = 0;  ///< of the attempt that counts
   RunOutcome outcome;
+  /// The KPI's value, that of a penalty for a failed run; empty if it has none.
+  std::optional<double> kpi(const std::string& name) const { return outcome.measurement.kpi(name); }
 };
 
 struct Dataset {
   std::vector<Point> points;
   std::vector<Observation> observations;
 
+  /// Runs without any KPI.
   std::size_t failed() const;
-  /// One row a run: phase, point, repetition, seed, free parameters, KPIs (NaN where the run
-  /// failed), failure, run key, wall time.
+  /// One row a run: phase, point, repetition, free parameters, seed, KPIs (NaN where there is
+  /// none), outcome, failure, run, times and memory.
   table::Table table(const Study& study) const;
 };
 

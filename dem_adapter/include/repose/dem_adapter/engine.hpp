@@ -7,28 +7,33 @@
 #include <memory>
 #include <string>
 
+#include "repose/dem_adapter/outcome.hpp"
+
 namespace repose::dem_adapter {
 
 /// Where the engine's own words go: into its log, or to the terminal with its progress.
 enum class EngineStreams { to_log, inherited };
 
 /// One simulation to be done. `directory` holds case.toml; the engine writes its output folder
-/// `directory`/output and its log `directory`/engine.log. A run that was cancelled or timed out may
-/// leave a scene::checkpoint_file() in its output folder; then it finds the folder as it left it
-/// when it is run again, else there is none.
+/// `directory`/output and appends what it says to `directory`/engine.log as it says it. A run that
+/// was cancelled or timed out may leave a scene::checkpoint_file() in its output folder; then it
+/// finds the folder as it left it when it is run again, else there is none.
 struct EngineJob {
   std::filesystem::path directory;
+  int ranks = 1;                    ///< processes that simulate together
   double time_limit_s = 0.0;        ///< 0: none
   std::function<bool()> cancelled;  ///< asked often; true when the run is to be given up
   EngineStreams streams = EngineStreams::to_log;
 };
 
-enum class EngineStatus { finished, failed, timed_out, cancelled };
+/// `killed`: by somebody else, which says nothing about the run.
+enum class EngineStatus { finished, failed, timed_out, cancelled, killed };
 
 struct EngineExit {
   EngineStatus status = EngineStatus::failed;
-  std::string message;  ///< why it did not finish, in one sentence
-  double wall_time_s = 0.0;
+  Outcome failure = Outcome::engine_failed;  ///< by name, where status is failed
+  std::string message;                       ///< why it did not finish, in one sentence
+  Resources resources;
 };
 
 template <class E>
@@ -72,8 +77,7 @@ class BundledEngine {
   /// program, InputError for a grace below 0.
   explicit BundledEngine(std::filesystem::path program = {}, double grace_s = 10.0);
   std::string name() const;
-  /// Throws the Error of the engine where no run could succeed (bad input, a full disk) and
-  /// SimulationError where it was killed by somebody else: neither says anything about the run.
+  /// Throws the Error of the engine where no run could succeed: bad input, a full disk.
   EngineExit run(const EngineJob& job) const;
 
  private:

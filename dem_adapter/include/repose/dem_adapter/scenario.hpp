@@ -72,5 +72,7 @@ class Scenario {
 Scenario read_scenario(const TomlTable& table);
 /// The same from a file that holds nothing else.
 Scenario read_scenario_file(const std::filesystem::path& path);
+/// The same from the key `scenario` of a study: a table, or a file named relative to `folder`.
+Scenario read_scenario_key(const TomlTable& root, const std::filesystem::path& folder);
 
 }  // namespace repose::dem_adapter

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "repose/base/parameter_space.hpp"
+#include "repose/dem_adapter/compute_plan.hpp"
 #include "repose/dem_adapter/scenario.hpp"
 #include "repose/doe/screening.hpp"
 #include "repose/opt/composite.hpp"
@@ -41,11 +42,6 @@ struct VerificationPlan {
   int repetitions = 5;  ///< runs at the calibrated point, with seeds not used before
 };
 
-struct ComputePlan {
-  unsigned workers = 0;          ///< runs at once; 0: one for each processor
-  double time_limit_s = 1800.0;  ///< for one run
-};
-
 /// A target with the 95 % confidence half-width of its measurement (0: unknown).
 struct MeasuredTarget {
   opt::Target target;
@@ -65,6 +61,7 @@ struct Study {
   opt::GeneticOptions genetic;
   VerificationPlan verification;
   ComputePlan compute;
+  FailurePolicy failures;
 
   std::vector<opt::Target> plain_targets() const;
 };

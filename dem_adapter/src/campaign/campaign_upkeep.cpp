@@ -1,0 +1,140 @@
+#include "repose/dem_adapter/campaign_upkeep.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "directory_lock.hpp"
+#include "repose/base/error.hpp"
+#include "repose/dem_adapter/run_plan.hpp"
+#include "repose/dem_adapter/run_store.hpp"
+
+namespace repose::dem_adapter {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The plan, or where there is none yet every run that the directory holds.
+RunPlan plan_of(const fs::path& directory) {
+  if (auto plan = read_plan(directory)) return *plan;
+  RunPlan plan{.store = fs::absolute(directory), .retry_on = {}, .runs = {}};
+  for (const auto& key : RunStore(directory, StoreAccess::read).keys()) plan.runs.push_back({key});
+  return plan;
+}
+
+std::set<std::string> keys_of(const RunPlan& plan) {
+  std::set<std::string> keys;
+  for (const auto& attempts : plan.runs) keys.insert(attempts.begin(), attempts.end());
+  return keys;
+}
+
+bool has_own_store(const fs::path& directory, const RunPlan& plan) {
+  return fs::equivalent(directory, plan.store);
+}
+
+std::uintmax_t size_of(const fs::path& place) {
+  std::uintmax_t sum = 0;
+  std::error_code code;
+  for (const auto& entry : fs::recursive_directory_iterator(place, code))
+    if (entry.is_regular_file(code)) sum += entry.file_size(code);
+  return sum;
+}
+
+std::uintmax_t removed(const fs::path& place) {
+  const auto bytes = size_of(place);
+  std::error_code code;
+  fs::remove_all(place, code);
+  if (code)
+    throw StorageError(fmt::format("cannot remove '{}': {}", place.string(), code.message()));
+  return bytes;
+}
+
+void add(CampaignStatus& status, const RunOutcome& outcome) {
+  ++status.settled;
+  const auto name = outcome.measurement.outcome;
+  if (++status.counts[name] == 1 && name != Outcome::finished)
+    status.examples[name] = outcome.key + ": " + outcome.measurement.failure;
+  status.wall_time_s += outcome.resources.wall_time_s;
+  status.cpu_time_s += outcome.resources.cpu_time_s;
+  status.peak_memory_bytes =
+      std::max(status.peak_memory_bytes, outcome.resources.peak_memory_bytes);
+}
+
+}  // namespace
+
+std::size_t CampaignStatus::failed() const {
+  std::size_t sum = 0;
+  for (const auto& [outcome, count] : counts) sum += is_failure(outcome) ? count : 0;
+  return sum;
+}
+
+CampaignStatus campaign_status(const fs::path& directory) {
+  const auto plan = plan_of(directory);
+  const RunStore store(plan.store, StoreAccess::read);
+  CampaignStatus status{.store = plan.store, .wanted = plan.runs.size(), .recorded = store.size()};
+  status.owner = DirectoryLock::owner(directory).value_or("");
+  const auto find = [&](const std::string& key) { return store.find(key); };
+  for (const auto& attempts : plan.runs)
+    if (const auto outcome = settled(attempts, plan.retry_on, find)) add(status, *outcome);
+  const auto wanted = keys_of(plan);
+  const bool own = has_own_store(directory, plan);
+  for (const auto& key : store.unfinished())
+    if (own || wanted.count(key) > 0)
+      ++(RunClaim::is_taken(store.folder(key)) ? status.under_way : status.stopped);
+  return status;
+}
+
+std::vector<std::string> retry_runs(const fs::path& directory,
+                                    const std::vector<Outcome>& outcomes) {
+  const auto plan = plan_of(directory);
+  const DirectoryLock lock(directory);
+  const RunStore store(plan.store, StoreAccess::write);
+  std::vector<std::string> forgotten;
+  for (const auto& key : keys_of(plan)) {
+    const auto outcome = store.find(key);
+    if (!outcome ||
+        std::find(outcomes.begin(), outcomes.end(), outcome->measurement.outcome) == outcomes.end())
+      continue;
+    store.forget(key);
+    forgotten.push_back(key);
+  }
+  return forgotten;
+}
+
+Cleaned clean_campaign(const fs::path& directory, const CleanOptions& options) {
+  const auto plan = plan_of(directory);
+  const bool own = has_own_store(directory, plan);
+  if (options.unplanned == CleanUnplanned::remove && !own)
+    throw InputError(fmt::format(
+        "the runs are in '{}', which other studies may share, so those that this plan does not "
+        "name are not removed; clean that directory itself",
+        plan.store.string()));
+  const DirectoryLock lock(directory);
+  const RunStore store(plan.store, StoreAccess::write);
+  const auto wanted = keys_of(plan);
+  Cleaned cleaned;
+  for (const auto& key : store.unfinished()) {
+    const auto folder = store.folder(key);
+    if ((!own && wanted.count(key) == 0) || RunClaim::is_taken(folder)) continue;
+    cleaned.bytes += removed(folder);
+    ++cleaned.stopped;
+  }
+  for (const auto& key : store.keys()) {
+    const auto folder = store.folder(key);
+    const bool is_wanted = wanted.count(key) > 0;
+    if (!is_wanted && options.unplanned == CleanUnplanned::remove) {
+      store.forget(key);
+      cleaned.bytes += removed(folder);
+      ++cleaned.unplanned;
+    } else if (is_wanted && options.outputs == CleanOutputs::remove &&
+               fs::exists(folder / "output")) {
+      cleaned.bytes += removed(folder / "output");
+      ++cleaned.outputs;
+    }
+  }
+  store.compact_index();
+  return cleaned;
+}
+
+}  // namespace repose::dem_adapter
