@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Spheres in clumps of three, or as many single spheres of the same mass, fallen into a box:
-# bench/clumps.sh clumps|spheres [STEPS] [CLUMPS]
+# Spheres in clumps of three, or as many single spheres of the same mass, fallen into a box and at
+# rest there, about 0.04 m deep for any number of clumps: bench/clumps.sh clumps|spheres [STEPS] [CLUMPS]
 set -euo pipefail
 which=$1 steps=${2:-300} clumps=${3:-25000}
 here=$(cd "$(dirname "$0")" && pwd)
@@ -10,14 +10,15 @@ dir=$(mktemp -d); trap 'rm -rf "$dir"' EXIT
 diameter=0.010 clump='clump = "sinter_3"'
 if [ "$which" = spheres ]; then diameter=0.0069336 clump=; fi
 mass=$(awk -v n="$clumps" 'BEGIN { print n * 3.14159265 / 6 * 1e-6 * 2500 }')
-height=$(awk -v n="$clumps" 'BEGIN { print n * 5.236e-7 / 0.09 / 0.25 + 0.03 }')
+height=0.12 side=$(awk -v n="$clumps" 'BEGIN { print 0.3 * sqrt(n / 4000) }')
+edge=$(awk -v s="$side" 'BEGIN { print s + 0.02 }')
 cat > "$dir/box.toml" <<EOF
 [run]
 time_step_rayleigh_fraction = 0.25
 
 [domain]
 lower_m = [-0.02, -0.02, -0.02]
-upper_m = [0.32, 0.32, 3.0]
+upper_m = [$edge, $edge, 1.0]
 
 [[material]]
 name = "grain"
@@ -35,12 +36,12 @@ mu_r = 0.1
 name = "bin"
 material = "grain"
 lower_m = [0.0, 0.0, 0.0]
-upper_m = [0.3, 0.3, 3.0]
+upper_m = [$side, $side, 1.0]
 open = ["+z"]
 
 [fill]
 lower_m = [0.0, 0.0, 0.0]
-upper_m = [0.3, 0.3, $height]
+upper_m = [$side, $side, $height]
 solid_fraction = 0.25
 
 [[fill.layer]]

@@ -13,21 +13,28 @@ std::size_t index(std::int32_t i) {
   return static_cast<std::size_t>(i);
 }
 
-/// Gives the spheres of a clump their places of now and their velocities of half a step before,
-/// when the orientation was `half`.
-void place(const Box& box, const Clump& clump, const Quaternion& half, std::vector<Member>& members,
-           Spheres& spheres) {
+/// Gives the spheres of a clump their places of now and their velocities of half a step before, and
+/// takes their loads. Returns the largest squared displacement since the lists were built.
+double place(const Box& box, const Clump& clump, const Quaternion& half, const Vec3& spin,
+             std::vector<Member>& members, Spheres& spheres) {
   const Eigen::Matrix3d turn = rotation_matrix(clump.q);
   const Eigen::Matrix3d turn_half = rotation_matrix(half);
-  const Vec3 spin = turn_half * (turn_half.transpose() * clump.l).cwiseQuotient(clump.inertia);
+  double moved2 = 0.0;
   for (std::int32_t m = clump.first; m < clump.first + clump.count; ++m) {
     Member& member = members[index(m)];
     const std::size_t s = index(member.sphere);
-    member.arm = turn * member.local;
-    spheres.motion[s].x = box.wrapped(clump.x + member.arm);
-    spheres.motion[s].v = clump.v + cross(spin, turn_half * member.local);
+    const Vec3 arm = turn * member.local;
+    const Vec3 arm_half = turn_half * member.local;
+    const Vec3 x = box.wrapped(clump.x + arm);  // not read back: the store would have to end first
+    const Vec3 moved = box.nearest_image(x - spheres.x_listed[s]);
+    moved2 = std::max(moved2, moved.squaredNorm());
+    member.arm = arm;
+    spheres.motion[s].x = x;
+    spheres.motion[s].v = clump.v + cross(spin, arm_half);
     spheres.spin[s].w = spin;
+    spheres.load[s] = {};
   }
+  return moved2;
 }
 
 /// Appends a clump with its members, and tells the spheres where they now stand.
@@ -77,19 +84,40 @@ void add_clump(const scene::ClumpForm& form, const scene::Particle& particle, st
     clumps.members.push_back({s, radius * sphere.position, Vec3::Zero()});
   }
   clumps.all.push_back(clump);
-  place(box, clump, clump.q, clumps.members, spheres);
+  place(box, clump, clump.q, clump.angular_velocity(clump.l), clumps.members, spheres);
 }
 
+/// The spheres of a clump lie scattered: asks for the places of those some members ahead.
+class Ahead {
+ public:
+  Ahead(const Clumps& clumps, std::size_t distance)
+      : members_(clumps.members), distance_(distance) {}
+  /// Calls use(sphere) for what follows the members of `clump` at a distance.
+  template <class Use>
+  void operator()(const Clump& clump, const Use& use) const {
+    const std::size_t from = index(clump.first) + distance_;
+    const std::size_t to = std::min(from + index(clump.count), members_.size());
+    for (std::size_t m = from; m < to; ++m) use(index(members_[m].sphere));
+  }
+
+ private:
+  const std::vector<Member>& members_;
+  std::size_t distance_;
+};
+
 void gather_loads(const Spheres& spheres, Clumps& clumps) {
+  const Ahead ahead(clumps, 64);
   for (Clump& clump : clumps.all) {
-    clump.force.setZero();
-    clump.torque.setZero();
+    ahead(clump, [&](std::size_t s) { __builtin_prefetch(&spheres.load[s]); });
+    Vec3 force(0, 0, 0), torque(0, 0, 0);
     for (std::int32_t m = clump.first; m < clump.first + clump.count; ++m) {
       const Member& member = clumps.members[index(m)];
       const Load& load = spheres.load[index(member.sphere)];
-      clump.force += load.force;
-      clump.torque += load.torque + cross(member.arm, load.force);
+      force += load.force;
+      torque += load.torque + cross(member.arm, load.force);
     }
+    clump.force = force;
+    clump.torque = torque;
   }
 }
 
@@ -102,21 +130,36 @@ void kick(const Vec3& gravity, double dt, Clumps& clumps) {
 
 DriftResult drift(const Box& box, double dt, Clumps& clumps, Spheres& spheres) {
   DriftResult result;
-  for (Clump& clump : clumps.all) {
-    const Vec3 drifted = clump.x + clump.v * dt;
-    clump.x = box.wrapped(drifted);
-    result.moved_kg_m.add(clump.mass * (clump.x - drifted));
-    const std::int32_t first_sphere = clumps.members[index(clump.first)].sphere;
-    if (!box.contains(clump.x) && result.out < 0) result.out = first_sphere;
-    const Quaternion before = clump.q;
-    clump.q = free_rotation(before, clump.l, clump.inertia, dt);
-    place(box, clump, between(before, clump.q), clumps.members, spheres);
-    for (std::int32_t m = clump.first; m < clump.first + clump.count; ++m) {
-      const std::size_t s = index(clumps.members[index(m)].sphere);
-      const Vec3 moved = box.nearest_image(spheres.motion[s].x - spheres.x_listed[s]);
-      result.moved2 = std::max(result.moved2, moved.squaredNorm());
-      spheres.load[s] = {};
+  const Ahead ahead(clumps, 24);
+  RotationEnd ends[kRotatingTogether];
+  for (std::size_t c = 0; c < clumps.size(); ++c) {
+    if (c % kRotatingTogether == 0) {
+      RotatingBody bodies[kRotatingTogether];
+      for (std::size_t k = 0; k < kRotatingTogether; ++k) {
+        const Clump& next = clumps.all[std::min(c + k, clumps.size() - 1)];
+        bodies[k] = {next.q, next.l, next.inertia};
+      }
+      free_rotation(bodies, dt, ends);
     }
+    Clump& clump = clumps.all[c];
+    ahead(clump, [&](std::size_t s) {
+      __builtin_prefetch(&spheres.motion[s], 1);
+      __builtin_prefetch(&spheres.spin[s], 1);
+      __builtin_prefetch(&spheres.load[s], 1);
+      __builtin_prefetch(&spheres.x_listed[s]);
+    });
+    clump.x += clump.v * dt;
+    if (!box.contains(clump.x)) {
+      const Vec3 drifted = clump.x;
+      clump.x = box.wrapped(drifted);
+      result.moved_kg_m.add(clump.mass * (clump.x - drifted));
+      if (!box.contains(clump.x) && result.out < 0)
+        result.out = clumps.members[index(clump.first)].sphere;
+    }
+    const RotationEnd& end = ends[c % kRotatingTogether];
+    clump.q = end.q;
+    result.moved2 =
+        std::max(result.moved2, place(box, clump, end.half, end.spin, clumps.members, spheres));
   }
   return result;
 }

@@ -28,11 +28,6 @@ inline Quaternion quaternion_of(const std::array<double, 4>& wxyz) {
   return normalised({wxyz[0], wxyz[1], wxyz[2], wxyz[3]});
 }
 
-/// Half way between two orientations a small turn apart, to the square of that turn.
-inline Quaternion between(const Quaternion& a, const Quaternion& b) {
-  return normalised({a.w + b.w, a.x + b.x, a.y + b.y, a.z + b.z});
-}
-
 inline Eigen::Matrix3d rotation_matrix(const Quaternion& q) {
   Eigen::Matrix3d r;
   r << 1.0 - 2.0 * (q.y * q.y + q.z * q.z), 2.0 * (q.x * q.y - q.w * q.z),
@@ -49,5 +44,21 @@ inline Eigen::Matrix3d rotation_matrix(const Quaternion& q) {
 /// rotations use 4 atan(angle/4) for the angle, which keeps all of that and needs no sine.
 Quaternion free_rotation(const Quaternion& q, const Vec3& angular_momentum, const Vec3& inertia,
                          double dt);
+
+/// What a step of free rotation needs of a body.
+struct RotatingBody {
+  Quaternion q;
+  Vec3 l;        ///< angular momentum, world
+  Vec3 inertia;  ///< principal moments
+};
+struct RotationEnd {
+  Quaternion q;     ///< after dt
+  Quaternion half;  ///< after half of it
+  Vec3 spin;        ///< angular velocity there, world
+};
+inline constexpr std::size_t kRotatingTogether = 4;
+/// free_rotation() of several bodies at once, the same bits as one by one.
+void free_rotation(const RotatingBody (&bodies)[kRotatingTogether], double dt,
+                   RotationEnd (&ends)[kRotatingTogether]);
 
 }  // namespace repose::dem
