@@ -45,6 +45,8 @@ inline Vector vector_of(const std::vector<double>& values) {
 class ModelReader {
  public:
   explicit ModelReader(std::filesystem::path path);
+  /// A model nested in this one: attributes NAME.attribute, tables /NAME/table.
+  ModelReader below(const std::string& name) const;
 
   [[noreturn]] void damaged(const std::string& what) const;
   void check(bool holds, const char* what) const {
@@ -77,6 +79,7 @@ class ModelReader {
  private:
   std::filesystem::path path_;
   table::Attributes attributes_;
+  std::string group_;  ///< "" or "/NAME"
 };
 
 }  // namespace repose::surrogate

@@ -1,7 +1,6 @@
 #include "repose/surrogate/model_file.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <array>
 #include <tuple>
@@ -81,21 +80,6 @@ std::vector<Input> read_inputs(const ModelReader& file, const Table& t) {
   return inputs;
 }
 
-const ModelKind& kind_of(const ModelReader& file) {
-  if (!file.has("repose_model")) file.damaged("it holds no model");
-  std::vector<std::string> names;
-  for (const ModelKind& kind : model_kinds()) {
-    names.emplace_back(kind.name);
-    if (file.kind() != kind.name) continue;
-    if (file.version() < 1 || file.version() > kind.version)
-      file.damaged(fmt::format("its version is {}, this program reads 1 to {}", file.version(),
-                               kind.version));
-    return kind;
-  }
-  file.damaged(fmt::format("it holds a model of the kind '{}'; this program knows {}", file.kind(),
-                           fmt::join(names, ", ")));
-}
-
 /// What `read` makes of inputs; a column that is missing, of the wrong type or not finite is
 /// damage.
 template <class Read>
@@ -115,20 +99,11 @@ void save_regressor(const std::filesystem::path& path, const NamedRegressor& nam
   if (static_cast<Eigen::Index>(named.inputs.size()) != named.model.dimension())
     throw InputError(fmt::format("{} input names for a model of {} inputs", named.inputs.size(),
                                  named.model.dimension()));
-  for (const ModelKind& kind : model_kinds()) {
-    std::optional<ModelContent> content = kind.write(named.model);
-    if (!content) continue;
-    content->attributes["repose_model"] = std::string(kind.name);
-    content->attributes["model_version"] = kind.version;
-    content->attributes["response"] = named.response;
-    content->add("/inputs", inputs_table(named.model.inputs(), named.inputs));
-    content->add("/levels", levels_table(named.model.inputs(), named.inputs));
-    return table::write_tables(path, content->tables, content->attributes);
-  }
-  throw InputError(
-      fmt::format("there is no file format for this kind of model ({}); it cannot be "
-                  "written to '{}'",
-                  named.model.describe(), path.string()));
+  ModelContent content = content_of(named.model);
+  content.attributes["response"] = named.response;
+  content.add("/inputs", inputs_table(named.model.inputs(), named.inputs));
+  content.add("/levels", levels_table(named.model.inputs(), named.inputs));
+  table::write_tables(path, content.tables, content.attributes);
 }
 
 NamedRegressor load_regressor(const std::filesystem::path& path) {

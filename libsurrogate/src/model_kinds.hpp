@@ -23,6 +23,14 @@ struct ModelKind {
 };
 std::span<const ModelKind> model_kinds();
 
+/// Of a model of any kind, with the attributes repose_model and model_version. Throws InputError
+/// for a model that is none of ours.
+ModelContent content_of(const Regressor& model);
+/// The model that content_of() was given; a model file, or a part of one.
+Regressor read_content(const ModelReader& file, std::vector<Input> inputs);
+/// Damage where the kind or its version is not known.
+const ModelKind& kind_of(const ModelReader& file);
+
 std::optional<ModelContent> write_gaussian_process(const Regressor& model);
 Regressor read_gaussian_process(const ModelReader& file, std::vector<Input> inputs);
 std::optional<ModelContent> write_tree(const Regressor& model);
@@ -40,5 +48,8 @@ Regressor read_perceptron(const ModelReader& file, std::vector<Input> inputs);
 
 std::optional<ModelContent> write_svr(const Regressor& model);
 Regressor read_svr(const ModelReader& file, std::vector<Input> inputs);
+
+std::optional<ModelContent> write_transferred(const Regressor& model);
+Regressor read_transferred(const ModelReader& file, std::vector<Input> inputs);
 
 }  // namespace repose::surrogate

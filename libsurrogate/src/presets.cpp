@@ -23,6 +23,7 @@ using TrainerOf =
 struct Row {
   ModelPreset preset;
   TrainerOf trainer;
+  ModelFamily family = {};  ///< where settings are searched
 };
 
 TrainerOf linear(const LinearModelOptions& options) {
@@ -71,11 +72,13 @@ TrainerOf network(std::vector<int> layers) {
   };
 }
 
-TrainerOf searched(ModelFamily family) {
-  return
-      [family = std::move(family)](const std::string& name, const SettingsSearchOptions& search) {
-        return searching_trainer(name, family, search);
-      };
+Row searched(ModelPreset preset, const ModelFamily& family) {
+  preset.searched = true;
+  return {std::move(preset),
+          [family](const std::string& name, const SettingsSearchOptions& search) {
+            return searching_trainer(name, family, search);
+          },
+          family};
 }
 
 std::vector<Row> make_rows() {
@@ -96,30 +99,30 @@ std::vector<Row> make_rows() {
       {{"fine-tree", kTree, "Fine"}, tree(4)},
       {{"medium-tree", kTree, "Medium"}, tree(12)},
       {{"coarse-tree", kTree, "Coarse"}, tree(36)},
-      {{"optimisable-tree", kTree, "Optimisable (BO)", true}, searched(tree_family())},
+      searched({"optimisable-tree", kTree, "Optimisable (BO)"}, tree_family()),
       {{"linear-svm", kSvm, "Kernel: linear"}, svr({.kernel = SvrKernel::linear})},
       {{"quadratic-svm", kSvm, "Kernel: quadratic"}, svr({.kernel = SvrKernel::quadratic})},
       {{"cubic-svm", kSvm, "Kernel: cubic"}, svr({.kernel = SvrKernel::cubic})},
       {{"fine-gaussian-svm", kSvm, "Kernel: Fine Gaussian"}, svr({.kernel_scale = 0.25})},
       {{"medium-gaussian-svm", kSvm, "Kernel: Medium Gaussian"}, svr({.kernel_scale = 1.0})},
       {{"coarse-gaussian-svm", kSvm, "Kernel: Coarse Gaussian"}, svr({.kernel_scale = 4.0})},
-      {{"optimisable-svm", kSvm, "Optimisable (BO)", true}, searched(svr_family())},
+      searched({"optimisable-svm", kSvm, "Optimisable (BO)"}, svr_family()),
       {{"boosted-ensemble", kEnsemble, "Boosted"}, boosted},
       {{"bagged-ensemble", kEnsemble, "Bagged"}, bagged},
-      {{"optimisable-ensemble", kEnsemble, "Optimisable (BO)", true}, searched(ensemble_family())},
+      searched({"optimisable-ensemble", kEnsemble, "Optimisable (BO)"}, ensemble_family()),
       {{"exponential-gpr", kGpr, "Kernel = Exponential"}, gpr(Correlation::exponential)},
       {{"squared-exponential-gpr", kGpr, "Kernel = Squared Exponential"},
        gpr(Correlation::squared_exponential)},
       {{"rational-quadratic-gpr", kGpr, "Kernel = Rational Quadratic"},
        gpr(Correlation::rational_quadratic)},
       {{"matern52-gpr", kGpr, "Kernel = Matern 5/2"}, gpr(Correlation::matern52)},
-      {{"optimisable-gpr", kGpr, "Optimisable (BO)", true}, searched(gaussian_process_family())},
+      searched({"optimisable-gpr", kGpr, "Optimisable (BO)"}, gaussian_process_family()),
       {{"narrow-network", kAnn, "One layer [10] neurons"}, network({10})},
       {{"medium-network", kAnn, "One layer [25] neurons"}, network({25})},
       {{"wide-network", kAnn, "One layer [100] neurons"}, network({100})},
       {{"bilayered-network", kAnn, "Two layers [10,10] neurons"}, network({10, 10})},
       {{"trilayered-network", kAnn, "Three layers [10,10,10] neurons"}, network({10, 10, 10})},
-      {{"optimisable-network", kAnn, "Optimisable (BO)", true}, searched(perceptron_family())},
+      searched({"optimisable-network", kAnn, "Optimisable (BO)"}, perceptron_family()),
       {{"gpr", "repose", "Gaussian process, default"},
        [](const std::string& name, const SettingsSearchOptions&) {
          return gaussian_process_trainer(name);
@@ -143,16 +146,53 @@ const std::vector<ModelPreset>& model_presets() {
   return kPresets;
 }
 
-Trainer preset_trainer(const std::string& name, const SettingsSearchOptions& search) {
+namespace {
+
+const Row& row_named(const std::string& name) {
   std::vector<std::string> names;
   for (const Row& row : rows()) {
-    if (row.preset.name == name) return row.trainer(name, search);
+    if (row.preset.name == name) return row;
     names.push_back(row.preset.name);
   }
   const std::string closest = closest_name(name, names);
   throw InputError(closest.empty()
                        ? fmt::format("there is no model '{}'; choose {}", name, listed(names))
                        : fmt::format("there is no model '{}'; did you mean {}?", name, closest));
+}
+
+/// With its hyper-parameters.
+Trainer trainer_like(std::string name, const GaussianProcess& process) {
+  return {std::move(name), [process](const TrainingSet& data, std::uint64_t) -> Regressor {
+            check(data);
+            return GaussianProcessRegressor(GaussianProcess::with_parameters(
+                data.x, data.y, process.inputs(), process.hyperparameters(),
+                {.kernel = process.kernel(),
+                 .basis = process.basis(),
+                 .response_scale = process.response_scale(),
+                 .estimator = process.estimator()}));
+          }};
+}
+
+}  // namespace
+
+Trainer preset_trainer(const std::string& name, const SettingsSearchOptions& search) {
+  return row_named(name).trainer(name, search);
+}
+
+PretrainedModel pretrained(const std::string& name, const TrainingSet& data, std::uint64_t seed,
+                           const SettingsSearchOptions& search) {
+  const Row& row = row_named(name);
+  Trainer trainer = row.trainer(name, search);
+  if (row.preset.searched) {
+    SettingsSearchOptions own = search;
+    own.seed = seed;
+    const SettingsSearch found = search_settings(data, row.family, own);
+    trainer = row.family.trainer(found.trials[found.best].settings);
+  }
+  Regressor model = trainer.fit(data, seed);
+  if (const GaussianProcess* process = gaussian_process(model))
+    trainer = trainer_like(name, *process);
+  return {std::move(model), std::move(trainer)};
 }
 
 }  // namespace repose::surrogate

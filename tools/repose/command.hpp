@@ -61,6 +61,7 @@ void add_simulate(CLI::App& app);
 void add_table(CLI::App& app);
 /// import and export, below `repose table`.
 void add_table_conversions(CLI::App& table);
+void add_transfer(CLI::App& app);
 void add_variance(CLI::App& app);
 
 }  // namespace repose::cli

@@ -42,6 +42,7 @@ int run(int argc, char** argv) {
   add_sample(app);
   add_optimise(app);
   add_table(app);
+  add_transfer(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

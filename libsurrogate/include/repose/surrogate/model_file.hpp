@@ -53,6 +53,17 @@
 //   /leaf_errors   of bags, a row a node: squares and number of errors of rows out of bag
 //   /out_of_bag    of bags, a row an observation: predicted, known (0: in every bag)
 //   /held_out      of boosting: rmse with 0, 1, ... trees
+//
+// "transferred", version 1:
+//   /              correlation, correlation_deviation (where known)
+//   /parts         method, weight
+// and, as the attributes source.NAME, part1.NAME, ... and the tables below /source, /part1, ...:
+// the source, a model of any kind, and each part, by its method:
+//   retrained, target-only: a model of any kind; source-basis: a Gaussian process
+//   shift-and-scale: shift, scale, residual_variance, noise_variance; /coefficients: covariance of
+//                  shift and scale
+//   coregionalised: /points: x1 ..., y; /relations: correlation, scale, own_variance,
+//                  shift_deviation, noise_variance, weight, length_factor1 ...
 #pragma once
 
 #include <filesystem>

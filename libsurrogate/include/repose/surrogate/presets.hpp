@@ -23,4 +23,15 @@ const std::vector<ModelPreset>& model_presets();
 /// Throws InputError with the closest name, or all. `search` is of presets with searched settings.
 Trainer preset_trainer(const std::string& name, const SettingsSearchOptions& search = {});
 
+/// A model of known configurations, and how it is fitted to more rows without a new search: with
+/// the hyper-parameters of a Gaussian process, or the settings found or given of another model.
+struct PretrainedModel {
+  Regressor model;
+  Trainer again;
+};
+
+/// Fits a preset to `data`. Throws as preset_trainer() and its fit.
+PretrainedModel pretrained(const std::string& name, const TrainingSet& data, std::uint64_t seed,
+                           const SettingsSearchOptions& search = {});
+
 }  // namespace repose::surrogate

@@ -1,0 +1,123 @@
+// repose transfer, as a user runs it.
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "program.hpp"
+
+namespace repose::test {
+namespace {
+
+using nlohmann::json;
+
+/// 14 rows each of a and b, and 14 of c of which the last `waiting` have no response; c is b with
+/// another scale and shift.
+std::string runs(int waiting) {
+  std::string csv = "mu_s,mu_r,material,angle_deg\n";
+  for (int i = 0; i < 42; ++i) {
+    const double u = std::fmod(0.5 + 0.6180339887 * i, 1.0);
+    const double v = std::fmod(0.25 + 0.7548776662 * i, 1.0);
+    const double angle = 25.0 + 8.0 * v + 3.0 * std::sin(4.0 * u) + 0.02 * ((i * 7) % 5 - 2);
+    const bool is_new = i >= 28;
+    char line[200];
+    std::snprintf(line, sizeof line, "%.6f,%.6f,%s,", u, v, is_new ? "c" : (i % 2 ? "b" : "a"));
+    csv += line;
+    if (i < 42 - waiting) csv += std::to_string(is_new ? 10.0 + 0.7 * angle : angle);
+    csv += "\n";
+  }
+  return csv;
+}
+
+const char* const kTable = " runs.csv --response angle_deg --input mu_s,mu_r --group material ";
+
+TEST(TransferCommand, PrintsTheLayoutOfTheThesis) {
+  const Workbench bench;
+  bench.write("runs.csv", runs(0));
+  const auto said =
+      bench.run("repose", std::string("transfer") + kTable + "--samples 0,4 --seeds 2 --folds 4");
+  ASSERT_EQ(said.code, 0) << said.err;
+  for (const char* text : {"angle_deg: gpr transferred by retrained, mean ± deviation over 2 seeds",
+                           "transferred by weighted", "RMSE validation", "RMSE unseen", "R2 unseen",
+                           "corr^2 unseen", "all were seen", "mean"})
+    EXPECT_NE(said.out.find(text), std::string::npos) << text;
+}
+
+TEST(TransferCommand, SaysInJsonWhatEveryWayIsWorth) {
+  const Workbench bench;
+  bench.write("runs.csv", runs(0));
+  const auto said = bench.run(
+      "repose", std::string("transfer") + kTable + "--samples 0,4 --seeds 2 --folds 4 --json");
+  ASSERT_EQ(said.code, 0) << said.err;
+  const json result = json::parse(said.out);
+  ASSERT_EQ(result["scores"].size(), 12u);
+  ASSERT_EQ(result["means"].size(), 4u);
+  const auto score = [&](const std::string& method, const std::string& group, int samples) {
+    for (const json& s : result["scores"])
+      if (s["method"] == method && s["group"] == group && s["samples"] == samples) return s;
+    return json();
+  };
+  EXPECT_LT(score("weighted", "c", 4)["unseen"]["rmse"]["mean"],
+            0.3 * score("retrained", "c", 4)["unseen"]["rmse"]["mean"].get<double>());
+  EXPECT_GT(score("weighted", "c", 4)["correlation"]["mean"], 0.9);
+  EXPECT_TRUE(score("weighted", "c", 0)["correlation"]["mean"].is_null());
+  EXPECT_LT(score("weighted", "c", 0)["unseen"]["r2"]["mean"], 0.0);  // the shift
+}
+
+TEST(TransferCommand, WritesAModelOfTheNewGroupThatPredicts) {
+  const Workbench bench;
+  bench.write("runs.csv", runs(6));
+  const auto said =
+      bench.run("repose", std::string("transfer") + kTable +
+                              "--target c -o c.h5 --next 3 --next-table next.csv.h5 --json");
+  ASSERT_EQ(said.code, 0) << said.err;
+  const json result = json::parse(said.out);
+  EXPECT_EQ(result["source_rows"], 28);
+  EXPECT_EQ(result["target_rows"], 8);
+  EXPECT_EQ(result["parts"].size(), 3u);
+  EXPECT_GT(result["correlation"], 0.9);
+  ASSERT_EQ(result["next"].size(), 3u);
+  for (const json& row : result["next"]) {
+    EXPECT_GE(row, 37);
+    EXPECT_LE(row, 42);
+  }
+  const auto predicted = bench.run("repose", "predict c.h5 runs.csv -o out.csv");
+  EXPECT_EQ(predicted.code, 0) << predicted.err;
+  const auto next = bench.run("repose", "table show next.csv.h5");
+  EXPECT_EQ(next.code, 0) << next.err;
+  const auto text = bench.run("repose", std::string("transfer") + kTable + "--target c --next 2");
+  EXPECT_NE(text.out.find("correlation of its function with the others': "), std::string::npos);
+  EXPECT_NE(text.out.find("to simulate next, in this order (rows of the table): "),
+            std::string::npos);
+}
+
+TEST(TransferCommand, ChoosesTheFirstRunsOfAGroupThatHasNone) {
+  const Workbench bench;
+  bench.write("runs.csv", runs(14));
+  const auto said = bench.run("repose", std::string("transfer") + kTable + "--target c --next 4");
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_NE(said.out.find("not known without its rows"), std::string::npos);
+}
+
+TEST(TransferCommand, RefusesWhatCannotBeDone) {
+  const Workbench bench;
+  bench.write("runs.csv", runs(6));
+  const auto refused = [&](const std::string& arguments, int code, const std::string& sentence) {
+    const auto said = bench.run("repose", "transfer runs.csv --response angle_deg " + arguments);
+    EXPECT_EQ(said.code, code) << arguments << said.err;
+    EXPECT_NE(said.err.find(sentence), std::string::npos) << said.err;
+  };
+  refused("--input mu_s,mu_r --group material --target z", 3, "has no value 'z'");
+  refused("--input mu_s,mu_r --group material --target c --next 7", 3, "6 rows of c wait");
+  refused("--input mu_s,mu_r --group material --next 2", 3, "without --target");
+  refused("--input mu_s,mu_r --group material --target c --seeds 2", 3, "with --target");
+  refused("--input mu_s,mu_r --group material --method magic", 3, "there is no way of transfer");
+  refused("--input mu_s,mu_r --group material --samples 99", 3, "none would be left unseen");
+  refused("--input mu_s,mu_r --group shape", 3, "shape");
+  bench.write("runs.csv", "x,g,angle_deg\n1,a,2\n2,a,3\n3,a,4\n");
+  refused("--input x --group g", 3, "transfer needs a group");
+  EXPECT_FALSE(std::filesystem::exists(bench / "c.h5"));
+}
+
+}  // namespace
+}  // namespace repose::test
