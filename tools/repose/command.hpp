@@ -40,6 +40,7 @@ void refuse_options(const CLI::App& command, std::initializer_list<const char*> 
 const std::string& command_line();
 
 void add_calibrate(CLI::App& app);
+void add_campaign(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_cv(CLI::App& app);
 void add_design(CLI::App& app);

@@ -30,6 +30,7 @@ int run(int argc, char** argv) {
       "            5 simulation failure, 6 file or storage, 130 stopped by Ctrl-C.");
   add_calibrate(app);
   add_simulate(app);
+  add_campaign(app);
   add_measure(app);
   add_design(app);
   add_screen(app);
@@ -96,6 +97,7 @@ int main(int argc, char** argv) {
 #ifndef __SANITIZE_ADDRESS__  // which tells more
   for (const int signal : {SIGSEGV, SIGBUS, SIGABRT}) std::signal(signal, &end_after_crash);
 #endif
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error like a full disk
   try {
     return repose::cli::run(argc, argv);
   } catch (const repose::Error& error) {
