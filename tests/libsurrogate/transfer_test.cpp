@@ -78,8 +78,8 @@ TEST(Transfer, ShiftAndScaleFindsThem) {
   EXPECT_LT((c.by(shift_and_scale).model.predict(q) - expected).cwiseAbs().maxCoeff(), 1e-9);
 }
 
-TEST(Transfer, ShiftsAloneBelowThreeRows) {
-  for (const Eigen::Index rows : {1, 2}) {
+TEST(Transfer, ShiftsAloneBelowFourRows) {
+  for (const Eigen::Index rows : {1, 2, 3}) {
     const Case c(altered, rows);
     const Vector source = c.model.model.predict(c.target.x);
     const double shift = (c.target.y - source).mean();

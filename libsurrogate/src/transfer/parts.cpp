@@ -11,7 +11,7 @@
 namespace repose::surrogate {
 namespace {
 
-constexpr Eigen::Index kRowsForScale = 3;
+constexpr Eigen::Index kRowsForScale = 4;
 
 double source_noise(const Regressor& source) {
   const GaussianProcess* process = gaussian_process(source);

@@ -101,13 +101,8 @@ std::vector<TransferMethod> methods_to_weigh(const PretrainedModel& source) {
   return {retrained, target_only, shift_and_scale};
 }
 
-/// What is used where rows are too few to compare.
-TransferMethod first_choice(const PretrainedModel& source) {
-  return process_of(source) != nullptr ? coregionalised : shift_and_scale;
-}
-
-/// Weights mse^(-n/10) of those that did not fail: few rows left out say little of which is best.
-/// A mean square error counts as no less than 1e-12 of the responses'.
+/// Weights mse^(-n/10) of those that did not fail: few rows left out say little of which is best. A
+/// mean square error counts as no less than 1e-12 of the responses'.
 void weigh(std::vector<TransferPart>& parts, const Vector& y) {
   const double least = 1e-12 * (y.array() - y.mean()).square().mean();
   double sum = 0.0, best = std::numeric_limits<double>::infinity();
@@ -118,8 +113,8 @@ void weigh(std::vector<TransferPart>& parts, const Vector& y) {
     if (part.failure.empty()) best = std::min(best, error(part));
   for (TransferPart& part : parts) {
     if (!part.failure.empty()) continue;
-    const double ratio = best > 0.0 ? best / error(part) : 1.0;
-    part.weight = std::pow(ratio, kSharpness * static_cast<double>(y.size()));
+    const double ratio = best > 0.0 ? error(part) / best : 1.0;
+    part.weight = std::pow(ratio, -kSharpness * static_cast<double>(y.size()));
     sum += part.weight;
   }
   for (TransferPart& part : parts) part.weight /= sum;
@@ -134,9 +129,8 @@ TransferredModel combine(const Task& task, const PretrainedModel& source, const 
   }();
   TransferredModel model{.source = source.model};
   if (points < kRowsForWeights) {
-    const TransferMethod method = first_choice(source);
-    parts = {{.method = method, .weight = 1.0}};
-    model.parts.push_back({method, 1.0, task.fit(method, target)});
+    parts = {{.method = shift_and_scale, .weight = 1.0}};
+    model.parts.push_back({shift_and_scale, 1.0, task.fit(shift_and_scale, target)});
     return model;
   }
   const auto folds =

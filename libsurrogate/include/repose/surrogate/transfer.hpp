@@ -18,15 +18,15 @@ enum class TransferMethod {
   /// The hyper-parameters of the source kept, fitted to the rows of both [Hadi2026, 4.18].
   retrained,
   target_only,      ///< the source not used: what transfer must not be worse than
-  shift_and_scale,  ///< b + a f_s(x) by least squares; the shift alone below three target rows
+  shift_and_scale,  ///< b + a f_s(x) by least squares; the shift alone below four target rows
   /// The source's mean as a regression function of a Gaussian process of the target, its variance
   /// added: b + a f_s(x) + a process with length scales of its own [KennedyOHagan2000].
   source_basis,
   /// Two correlated functions, see CoregionalisedProcess.
   coregionalised,
   /// target_only, source_basis and coregionalised, weighted by (mean square error of the n target
-  /// rows when left out)^(-n/10); below four rows coregionalised alone. Of sources that are no
-  /// Gaussian process: retrained, target_only and shift_and_scale; this alone below four.
+  /// rows when left out)^(-n/10). Of sources that are no Gaussian process: retrained, target_only
+  /// and shift_and_scale. Below four different rows shift_and_scale alone.
   weighted,
 };
 const char* to_string(TransferMethod method);
