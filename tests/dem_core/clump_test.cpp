@@ -81,6 +81,32 @@ TEST(FreeRotation, IsReversible) {
   EXPECT_LT((rotation_matrix(q) - rotation_matrix(start)).norm(), 1e-12);
 }
 
+TEST(FreeRotation, OfSeveralBodiesGivesTheBitsOfEachAlone) {
+  RotatingBody bodies[kRotatingTogether];
+  RandomStream random(5);
+  for (RotatingBody& body : bodies) {
+    body.q = quaternion_of({random.normal(), random.normal(), random.normal(), random.normal()});
+    body.l = Vec3(random.normal(), random.normal(), random.normal());
+    body.inertia = Vec3(random.uniform(1.0, 2.0), random.uniform(1.0, 2.0), 2.5);
+  }
+  RotationEnd ends[kRotatingTogether];
+  free_rotation(bodies, 0.05, ends);
+  for (std::size_t k = 0; k < kRotatingTogether; ++k) {
+    const RotatingBody& body = bodies[k];
+    const RotationEnd& end = ends[k];
+    const Quaternion alone = free_rotation(body.q, body.l, body.inertia, 0.05);
+    EXPECT_EQ(end.q.w, alone.w);
+    EXPECT_EQ(end.q.x, alone.x);
+    EXPECT_EQ(end.q.y, alone.y);
+    EXPECT_EQ(end.q.z, alone.z);
+    const Eigen::Matrix3d half = rotation_matrix(quaternion_of(
+        {body.q.w + end.q.w, body.q.x + end.q.x, body.q.y + end.q.y, body.q.z + end.q.z}));
+    EXPECT_LT((rotation_matrix(end.half) - half).norm(), 1e-14);
+    const Vec3 momentum = half.transpose() * body.l;
+    EXPECT_LT((end.spin - half * momentum.cwiseQuotient(body.inertia)).norm(), 1e-14 * 10.0);
+  }
+}
+
 TEST(RandomOrientation, TurnsADirectionToAllSidesAlike) {
   RandomStream random(11);
   Vec3 mean = Vec3::Zero();

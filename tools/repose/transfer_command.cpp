@@ -8,7 +8,6 @@
 
 #include "command.hpp"
 #include "model_columns.hpp"
-#include "repose/surrogate/gaussian_process_regressor.hpp"
 #include "repose/surrogate/model_file.hpp"
 #include "repose/surrogate/transfer_validation.hpp"
 #include "repose/table/io.hpp"
@@ -208,12 +207,7 @@ std::vector<Eigen::Index> choose_next(const TransferCliOptions& options,
         fmt::format("--next {}: {} rows of {} wait without a response; add rows with "
                     "an empty {} for the simulations that could be run",
                     options.next, waiting.rows.size(), options.target, options.columns.response));
-  const auto* process = surrogate::gaussian_process(model.model);
-  return surrogate::first_target_runs(
-      process != nullptr
-          ? *process
-          : surrogate::GaussianProcess::fit(rows.source.x, rows.source.y, rows.source.inputs),
-      waiting.x, options.next, rows.target.x);
+  return surrogate::first_target_runs(model, rows.source, waiting.x, options.next, rows.target.x);
 }
 
 void write_next(const TransferCliOptions& options, const Waiting& waiting,

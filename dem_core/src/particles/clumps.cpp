@@ -49,6 +49,24 @@ void append(Clump clump, const std::vector<Member>& members, Clumps& to, Spheres
   to.all.push_back(clump);
 }
 
+/// The spheres of a clump lie scattered: asks for the places of those some members ahead.
+class Ahead {
+ public:
+  Ahead(const Clumps& clumps, std::size_t distance)
+      : members_(clumps.members), distance_(distance) {}
+  /// Calls use(sphere) for what follows the members of `clump` at a distance.
+  template <class Use>
+  void operator()(const Clump& clump, const Use& use) const {
+    const std::size_t from = index(clump.first) + distance_;
+    const std::size_t to = std::min(from + index(clump.count), members_.size());
+    for (std::size_t m = from; m < to; ++m) use(index(members_[m].sphere));
+  }
+
+ private:
+  const std::vector<Member>& members_;
+  std::size_t distance_;
+};
+
 }  // namespace
 
 void add_clump(const scene::ClumpForm& form, const scene::Particle& particle, std::int32_t material,
@@ -86,24 +104,6 @@ void add_clump(const scene::ClumpForm& form, const scene::Particle& particle, st
   clumps.all.push_back(clump);
   place(box, clump, clump.q, clump.angular_velocity(clump.l), clumps.members, spheres);
 }
-
-/// The spheres of a clump lie scattered: asks for the places of those some members ahead.
-class Ahead {
- public:
-  Ahead(const Clumps& clumps, std::size_t distance)
-      : members_(clumps.members), distance_(distance) {}
-  /// Calls use(sphere) for what follows the members of `clump` at a distance.
-  template <class Use>
-  void operator()(const Clump& clump, const Use& use) const {
-    const std::size_t from = index(clump.first) + distance_;
-    const std::size_t to = std::min(from + index(clump.count), members_.size());
-    for (std::size_t m = from; m < to; ++m) use(index(members_[m].sphere));
-  }
-
- private:
-  const std::vector<Member>& members_;
-  std::size_t distance_;
-};
 
 void gather_loads(const Spheres& spheres, Clumps& clumps) {
   const Ahead ahead(clumps, 64);

@@ -13,12 +13,6 @@ struct Quaternion {
   double w = 1.0, x = 0.0, y = 0.0, z = 0.0;
 };
 
-inline Quaternion operator*(const Quaternion& a, const Quaternion& b) {
-  return {
-      a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
-      a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
-}
-
 inline Quaternion normalised(const Quaternion& q) {
   const double scale = 1.0 / std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
   return {q.w * scale, q.x * scale, q.y * scale, q.z * scale};

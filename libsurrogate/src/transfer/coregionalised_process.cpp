@@ -201,13 +201,22 @@ struct CoregionalisedProcess::State {
   Vector source_part;  ///< f_s(x) - m, its mean
   std::vector<Fitted> fitted;
 
+  Matrix known;  ///< the source's covariance at x
+
   State(const GaussianProcess& model, const Matrix& points, const Vector& values);
-  /// `known`: the source's own covariance at x.
-  Fitted fit(const Matrix& known, const TaskRelation& r) const {
+  Fitted fit(const TaskRelation& r) const {
     Matrix c = r.scale * r.scale * known +
                r.own_variance * prior_correlation(source, x, x, r.length_factors);
     c.diagonal().array() += r.noise_variance;
     return Fitted(c, y.array() - mean - r.scale * source_part.array(), r.shift_deviation);
+  }
+  void keep(const std::vector<TaskRelation>& kept) {
+    relations = kept;
+    for (const TaskRelation& r : relations) {
+      fitted.push_back(fit(r));
+      if (!fitted.back().possible)
+        throw NumericalError("the covariance of the target's rows is singular");
+    }
   }
 };
 
@@ -248,25 +257,22 @@ CoregionalisedProcess::State::State(const GaussianProcess& model, const Matrix& 
                     x.rows(), y.size()));
   mean = means(source.predict_rows(source.points())).mean();
   source_part = means(source.predict_rows(x)).array() - mean;
+  known = source.covariance(x, x);
 }
 
 CoregionalisedProcess CoregionalisedProcess::fit(const GaussianProcess& source, const Matrix& x,
                                                  const Vector& y) {
-  const State data(source, x, y);
+  const auto state = std::make_shared<State>(source, x, y);
   // where the source has no noise, or the target no variance, what rounding may leave
   const double variance = (y.array() - y.mean()).square().mean() + 1e-12 * y.cwiseAbs2().mean();
   const double least = std::max(1e-8 * variance + 1e-10 * source.hyperparameters().process_variance,
                                 std::numeric_limits<double>::min());
   std::vector<TaskRelation> relations = possible_relations(
       source, std::max(source.noise_variance(), least), std::max(variance, 1e8 * least));
-  const Matrix known = source.covariance(x, x);
   Vector weights(kPriorPoints);
   for (Eigen::Index k = 0; k < kPriorPoints; ++k) {
-    const Fitted f = data.fit(known, relations[static_cast<std::size_t>(k)]);
-    if (!f.possible)
-      weights[k] = -std::numeric_limits<double>::infinity();
-    else
-      weights[k] = f.log_likelihood;
+    const Fitted f = state->fit(relations[static_cast<std::size_t>(k)]);
+    weights[k] = f.possible ? f.log_likelihood : -std::numeric_limits<double>::infinity();
   }
   normalise(weights);
   if (!weights.allFinite())
@@ -274,21 +280,16 @@ CoregionalisedProcess CoregionalisedProcess::fit(const GaussianProcess& source, 
         "no relation of the target to the source could be evaluated; are all responses the same?");
   for (Eigen::Index k = 0; k < kPriorPoints; ++k)
     relations[static_cast<std::size_t>(k)].weight = weights[k];
-  return with_relations(source, x, y, probable(relations));
+  state->keep(probable(relations));
+  return CoregionalisedProcess(state);
 }
 
 CoregionalisedProcess CoregionalisedProcess::with_relations(
     const GaussianProcess& source, const Matrix& x, const Vector& y,
     const std::vector<TaskRelation>& relations) {
-  auto state = std::make_shared<State>(source, x, y);
-  state->relations = relations;
-  const Matrix known = source.covariance(x, x);
-  for (const TaskRelation& r : relations) {
-    state->fitted.push_back(state->fit(known, r));
-    if (!state->fitted.back().possible)
-      throw NumericalError("the covariance of the target's rows is singular");
-  }
-  return CoregionalisedProcess(std::move(state));
+  const auto state = std::make_shared<State>(source, x, y);
+  state->keep(relations);
+  return CoregionalisedProcess(state);
 }
 
 Vector CoregionalisedProcess::predict(const Matrix& x) const {

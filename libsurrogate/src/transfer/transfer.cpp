@@ -3,9 +3,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
+#include <limits>
 
 #include "parts.hpp"
 #include "prior_covariance.hpp"
@@ -120,13 +121,13 @@ void weigh(std::vector<TransferPart>& parts, const Vector& y) {
   for (TransferPart& part : parts) part.weight /= sum;
 }
 
+Eigen::Index number_of(const std::vector<Eigen::Index>& points) {
+  return points.empty() ? 0 : *std::max_element(points.begin(), points.end()) + 1;
+}
+
 TransferredModel combine(const Task& task, const PretrainedModel& source, const TrainingSet& target,
                          std::vector<TransferPart>& parts) {
-  const Eigen::Index points = [&] {
-    Eigen::Index count = 0;
-    for (const Eigen::Index p : points_of(target)) count = std::max(count, p + 1);
-    return count;
-  }();
+  const Eigen::Index points = number_of(points_of(target));
   TransferredModel model{.source = source.model};
   if (points < kRowsForWeights) {
     parts = {{.method = shift_and_scale, .weight = 1.0}};
@@ -159,10 +160,16 @@ TransferredModel combine(const Task& task, const PretrainedModel& source, const 
   return model;
 }
 
-/// Of the tasks, see Transfer.
-void find_correlation(const PretrainedModel& source, const TrainingSet& target, Transfer& result) {
+/// Of the tasks, see Transfer; from a part of the model if it has one that knows.
+void find_correlation(const PretrainedModel& source, const TrainingSet& target,
+                      const TransferredModel& model, Transfer& result) {
   if (const GaussianProcess* process = process_of(source)) {
-    const Gaussian rho = CoregionalisedProcess::fit(*process, target.x, target.y).correlation();
+    const CoregionalisedProcess* fitted = nullptr;
+    for (const auto& part : model.parts)
+      if (const auto* found = part.model.target<CoregionalisedProcess>()) fitted = found;
+    const Gaussian rho =
+        fitted != nullptr ? fitted->correlation()
+                          : CoregionalisedProcess::fit(*process, target.x, target.y).correlation();
     result.correlation = rho.mean;
     result.correlation_deviation = rho.standard_deviation();
     return;
@@ -227,7 +234,7 @@ Transfer transfer(const PretrainedModel& source, const TrainingSet& source_rows,
     model.parts.push_back({options.method, 1.0, task.fit(options.method, target)});
   }
   Transfer result{.model = source.model, .parts = std::move(parts)};
-  find_correlation(source, target, result);
+  find_correlation(source, target, model, result);
   model.correlation = result.correlation;
   model.correlation_deviation = result.correlation_deviation;
   result.model = std::move(model);
@@ -248,8 +255,7 @@ TrainingSet joined(const TrainingSet& a, const TrainingSet& b) {
     both.groups.insert(both.groups.end(), b.groups.begin(), b.groups.end());
   }
   both.replicates = points_of(a);
-  Eigen::Index known = 0;
-  for (const Eigen::Index p : both.replicates) known = std::max(known, p + 1);
+  const Eigen::Index known = number_of(both.replicates);
   for (const Eigen::Index p : points_of(b)) both.replicates.push_back(known + p);
   return both;
 }
@@ -292,6 +298,17 @@ std::vector<Eigen::Index> first_target_runs(const GaussianProcess& source, const
     observe(p + best);
   }
   return chosen;
+}
+
+std::vector<Eigen::Index> first_target_runs(const PretrainedModel& source,
+                                            const TrainingSet& source_rows,
+                                            const Matrix& candidates, Eigen::Index count,
+                                            const Matrix& simulated) {
+  const GaussianProcess* process = gaussian_process(source.model);
+  return first_target_runs(
+      process != nullptr ? *process
+                         : GaussianProcess::fit(source_rows.x, source_rows.y, source_rows.inputs),
+      candidates, count, simulated);
 }
 
 }  // namespace repose::surrogate

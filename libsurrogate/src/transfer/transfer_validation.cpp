@@ -3,14 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
+#include <mutex>
 #include <numeric>
 
 #include "repose/base/error.hpp"
 #include "repose/base/random.hpp"
 #include "repose/base/thread_pool.hpp"
-#include "repose/surrogate/gaussian_process_regressor.hpp"
 
 namespace repose::surrogate {
 namespace {
@@ -121,13 +120,8 @@ class Trial {
 
  private:
   std::vector<Eigen::Index> rows_in_order(const PretrainedModel& model) const {
-    if (options_.order == TransferValidationOptions::Order::variance) {
-      const GaussianProcess* process = gaussian_process(model.model);
-      return first_target_runs(process != nullptr
-                                   ? *process
-                                   : GaussianProcess::fit(source_.x, source_.y, source_.inputs),
-                               target_.x, target_.rows());
-    }
+    if (options_.order == TransferValidationOptions::Order::variance)
+      return first_target_runs(model, source_, target_.x, target_.rows());
     std::vector<Eigen::Index> order(static_cast<std::size_t>(target_.rows()));
     std::iota(order.begin(), order.end(), Eigen::Index{0});
     RandomStream(seed_, 4).shuffle(order);
@@ -227,7 +221,8 @@ TransferValidation validate_transfer(const TrainingSet& data,
   const auto seed_of = [&](std::size_t s) { return derive_seed(options.seed, s); };
   std::vector<std::vector<Outcome>> outcomes(groups.size() * seeds);
   std::vector<Metrics> all_seen(seeds);
-  std::atomic<int> done{0};
+  std::mutex mutex;
+  double done = 0.0;
   const std::size_t tasks = outcomes.size() + seeds;
   parallel_for(tasks, options.threads, [&](std::size_t task) {
     const std::uint64_t seed = seed_of(task % seeds);
@@ -237,7 +232,9 @@ TransferValidation validate_transfer(const TrainingSet& data,
       const auto model = pretrained(options.model, data, seed, options.search);
       all_seen[task % seeds] = cross_validated(data, model.again, options.folds, seed);
     }
-    if (options.progress) options.progress(++done, static_cast<double>(tasks), options.model);
+    if (!options.progress) return;
+    const std::lock_guard lock(mutex);
+    options.progress(++done, static_cast<double>(tasks), options.model);
   });
 
   TransferValidation result{.all_seen = spread_of(all_seen)};

@@ -24,9 +24,9 @@ struct TaskRelation {
 /// own data, with mean m and variance v over its points; g a Gaussian process with the source's
 /// kernel, each length scale times a factor c; b ~ N(0, t^2). With the correlation rho and the
 /// ratio s of the functions' standard deviations, a = rho s, and g has the process variance that is
-/// expected to give it (1 - rho^2) s^2 v over the source's points. This is the intrinsic model of
-/// coregionalisation of two tasks [Bonilla2008], with c = 1 equal to that of [KennedyOHagan2000],
-/// with a mean and a noise of each, at the source's hyper-parameters.
+/// expected to give it (1 - rho^2) s^2 v over the source's points. This is the autoregressive model
+/// of [KennedyOHagan2000] at the source's hyper-parameters, with a mean and a noise of each task;
+/// with c = 1 it has the form of the intrinsic model of coregionalisation [Bonilla2008].
 ///
 /// rho, s, t, the noise and a c for each length scale are averaged over their posterior: 1,024
 /// quasi-random points of the prior, with the likelihood as weights. A priori the target is, each

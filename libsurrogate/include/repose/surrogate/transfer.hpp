@@ -73,5 +73,10 @@ TrainingSet joined(const TrainingSet& a, const TrainingSet& b);
 /// on more rows than there are.
 std::vector<Eigen::Index> first_target_runs(const GaussianProcess& source, const Matrix& candidates,
                                             Eigen::Index count, const Matrix& simulated = {});
+/// The same where the source may be of any kind: by a Gaussian process of its rows if it is none.
+std::vector<Eigen::Index> first_target_runs(const PretrainedModel& source,
+                                            const TrainingSet& source_rows,
+                                            const Matrix& candidates, Eigen::Index count,
+                                            const Matrix& simulated = {});
 
 }  // namespace repose::surrogate

@@ -22,7 +22,7 @@ struct TransferValidationOptions {
   int folds = 10;                                               ///< of the validation
   std::uint64_t seed = 1;
   unsigned threads = 1;            ///< over groups and seeds; the result does not depend on it
-  ProgressCallback progress = {};  ///< in groups times seeds
+  ProgressCallback progress = {};  ///< in groups times seeds; called one at a time
 };
 
 /// A figure over seeds; NaN where not known, the deviation from two seeds on.
