@@ -38,7 +38,7 @@ c_r_pp = 0.6
   ASSERT_EQ(file.runs(), 6U);
   std::set<std::uint64_t> seeds;
   for (std::size_t i = 0; i < 6; ++i) {
-    const auto scene = file.make_case(i);
+    const auto scene = scene::parse_case(file.make_input(i).text, "input");
     EXPECT_EQ(scene.pairs[0].mu_s, i < 3 ? 0.3 : 0.5);
     EXPECT_EQ(scene.pairs[0].mu_r, i < 3 ? 0.1 : 0.2);
     EXPECT_EQ(scene.pairs[0].restitution, 0.6);
@@ -91,7 +91,7 @@ struct Small {
   void run(const std::filesystem::path& directory) const {
     const Campaign campaign(directory, engine, test::SyntheticEngine::measure(),
                             {.compute = file.compute, .failures = file.failures});
-    campaign.run({file.runs(), [&](std::size_t i) { return file.make_case(i); }});
+    campaign.run(file.wanted_runs());
   }
   table::Table table(const std::filesystem::path& directory) const {
     const auto plan = read_plan(directory);

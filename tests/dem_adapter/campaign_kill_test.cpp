@@ -52,7 +52,7 @@ void run(const std::filesystem::path& directory, const std::filesystem::path& en
   const auto file = campaign_file();
   const Campaign campaign(directory, BundledEngine(engine), test::SyntheticEngine::measure(),
                           {.compute = file.compute, .failures = file.failures});
-  campaign.run({file.runs(), [&](std::size_t i) { return file.make_case(i); }});
+  campaign.run(file.wanted_runs());
 }
 
 /// The campaign in a process of its own, until it ends or `seconds` are over.

@@ -22,12 +22,15 @@ CampaignOptions workers(unsigned n) {
   return {.compute = {.workers = n}};
 }
 
-std::vector<scene::Case> cases(int n) {
-  std::vector<scene::Case> result;
-  for (int i = 0; i < n; ++i)
-    result.push_back(test::SyntheticScenario().make_case(
-        {{"a", 0.1 * i}, {"b", 0.5}, {"c", 0}, {"d", 0}, {"e", 0}}, static_cast<std::uint64_t>(i)));
-  return result;
+/// Run i has the seed i; from the distinct-th on they repeat.
+WantedRuns cases(std::size_t n, std::size_t distinct = 1000) {
+  const auto input = [distinct](std::size_t run, int attempt) {
+    const auto i = run % distinct;
+    return input_of(test::SyntheticScenario().make_case(
+        {{"a", 0.1 * static_cast<double>(i)}, {"b", 0.5}, {"c", 0}, {"d", 0}, {"e", 0}},
+        attempt_seed(i, attempt)));
+  };
+  return {.count = n, .make_input = input};
 }
 
 TEST(Campaign, GivesTheSameOutcomesForAnyNumberOfWorkers) {
@@ -36,7 +39,7 @@ TEST(Campaign, GivesTheSameOutcomesForAnyNumberOfWorkers) {
     const test::TemporaryDirectory directory;
     const Campaign campaign(directory.path(), test::SyntheticEngine(0.1),
                             test::SyntheticEngine::measure(), workers(count));
-    all.push_back(campaign.run(cases(9)));
+    all.push_back(campaign.outcomes(cases(9)));
   }
   for (const auto& outcomes : all)
     for (std::size_t i = 0; i < outcomes.size(); ++i) {
@@ -51,14 +54,12 @@ TEST(Campaign, RunsEachCaseOnceEvenInALaterProcess) {
   std::vector<RunOutcome> first;
   {
     const Campaign campaign(directory.path(), engine, test::SyntheticEngine::measure(), workers(2));
-    auto with_repeat = cases(5);
-    with_repeat.push_back(with_repeat.front());
-    first = campaign.run(with_repeat);
+    first = campaign.outcomes(cases(6, 5));
     EXPECT_EQ(engine.runs(), 5);
     EXPECT_EQ(first.front().measurement.kpis, first.back().measurement.kpis);
   }
   const Campaign again(directory.path(), engine, test::SyntheticEngine::measure(), workers(2));
-  const auto second = again.run(cases(7));
+  const auto second = again.outcomes(cases(7));
   EXPECT_EQ(engine.runs(), 7);
   for (std::size_t i = 0; i < 5; ++i)
     EXPECT_EQ(second[i].measurement.kpis, first[i].measurement.kpis);
@@ -68,11 +69,11 @@ TEST(Campaign, DoesARunAgainThatDidNotFinish) {
   const test::TemporaryDirectory directory;
   const test::SyntheticEngine engine(0.1);
   const Campaign campaign(directory.path(), engine, test::SyntheticEngine::measure(), workers(1));
-  const auto outcome = campaign.run(cases(1)).front();
+  const auto outcome = campaign.outcomes(cases(1)).front();
   const auto folder = directory.path() / "runs" / outcome.key;
   campaign.store().forget(outcome.key);
   std::ofstream(folder / "output" / "half a file") << "x";
-  EXPECT_EQ(campaign.run(cases(1)).front().measurement.kpis, outcome.measurement.kpis);
+  EXPECT_EQ(campaign.outcomes(cases(1)).front().measurement.kpis, outcome.measurement.kpis);
   EXPECT_EQ(engine.runs(), 2);
   EXPECT_FALSE(std::filesystem::exists(folder / "output" / "half a file"));
 }
@@ -98,8 +99,8 @@ TEST(Campaign, LetsARunGoOnThatLeftACheckpoint) {
   const test::TemporaryDirectory directory;
   const Campaign campaign(directory.path(), StoppedOnce(), test::SyntheticEngine::measure(),
                           workers(1));
-  EXPECT_THROW(campaign.run(cases(1)), Interrupted);
-  EXPECT_EQ(campaign.run(cases(1)).front().measurement.kpis.at("third"), 3.0);
+  EXPECT_THROW(campaign.outcomes(cases(1)), Interrupted);
+  EXPECT_EQ(campaign.outcomes(cases(1)).front().measurement.kpis.at("third"), 3.0);
 }
 
 TEST(Campaign, RecordsFailuresWithTheirReasonAndDoesNotRepeatThem) {
@@ -107,10 +108,10 @@ TEST(Campaign, RecordsFailuresWithTheirReasonAndDoesNotRepeatThem) {
   test::SyntheticEngine engine(0.0);
   engine.failing_above(0.25);
   const Campaign campaign(directory.path(), engine, test::SyntheticEngine::measure(), workers(2));
-  const auto outcomes = campaign.run(cases(5));
+  const auto outcomes = campaign.outcomes(cases(5));
   EXPECT_FALSE(outcomes[2].failed());
   EXPECT_TRUE(outcomes[3].failed());
-  const auto again = campaign.run(cases(5))[4];
+  const auto again = campaign.outcomes(cases(5))[4];
   for (const auto& outcome : {outcomes[4], again}) {
     EXPECT_EQ(outcome.measurement.outcome, Outcome::crash);
     EXPECT_EQ(outcome.measurement.failure, "it broke");
@@ -138,14 +139,14 @@ TEST(Campaign, StopsWhenToldAndKeepsWhatIsDone) {
   const test::SyntheticEngine engine(0.1);
   const Campaign campaign(directory.path(), engine, test::SyntheticEngine::measure(),
                           {.compute = {.workers = 1}, .stop = &stop});
-  EXPECT_THROW(campaign.run(cases(6),
-                            [&](double done, double, std::string_view) {
-                              if (done >= 3.0) stop = Stop::when_runs_end;
-                            }),
+  EXPECT_THROW(campaign.outcomes(cases(6),
+                                 [&](double done, double, std::string_view) {
+                                   if (done >= 3.0) stop = Stop::when_runs_end;
+                                 }),
                Interrupted);
   EXPECT_EQ(engine.runs(), 3);
   stop = Stop::no;
-  campaign.run(cases(6));
+  campaign.outcomes(cases(6));
   EXPECT_EQ(engine.runs(), 6);
 }
 
@@ -157,7 +158,7 @@ TEST(Campaign, StopsAtOnceWhenNoRunCanSucceedAndRecordsNothing) {
   };
   const Campaign campaign(directory.path(), FullDisk(), test::SyntheticEngine::measure(),
                           workers(2));
-  EXPECT_THROW(campaign.run(cases(5)), StorageError);
+  EXPECT_THROW(campaign.outcomes(cases(5)), StorageError);
   EXPECT_EQ(campaign.store().size(), 0U);
 }
 
@@ -178,7 +179,7 @@ TEST(Campaign, DoesATimedOutRunAgainOnlyWithMoreTime) {
        {std::pair{10.0, 1}, std::pair{10.0, 1}, std::pair{5.0, 1}, std::pair{20.0, 2}}) {
     const Campaign campaign(directory.path(), slow, test::SyntheticEngine::measure(),
                             {.compute = {.workers = 1, .time_limit_s = limit}});
-    EXPECT_EQ(campaign.run(cases(1)).front().measurement.outcome, Outcome::time_limit);
+    EXPECT_EQ(campaign.outcomes(cases(1)).front().measurement.outcome, Outcome::time_limit);
     EXPECT_EQ(*slow.runs, runs) << limit;
   }
 }
@@ -192,7 +193,7 @@ TEST(Campaign, CallsARunWithoutAnyFiniteKpiAFailure) {
                         }};
   for (int call = 0; call < 2; ++call) {  // computed, then read back
     const Campaign campaign(directory.path(), test::SyntheticEngine(0), measure, workers(1));
-    const auto outcome = campaign.run(cases(1)).front();
+    const auto outcome = campaign.outcomes(cases(1)).front();
     EXPECT_EQ(outcome.measurement.outcome, Outcome::non_finite);
     EXPECT_NE(outcome.measurement.failure.find("angle_deg is undefined"), std::string::npos);
     EXPECT_TRUE(outcome.measurement.kpis.empty());
@@ -208,7 +209,7 @@ TEST(Campaign, KeepsTheKpisThatAreDefined) {
                         }};
   for (int call = 0; call < 2; ++call) {
     const Campaign campaign(directory.path(), test::SyntheticEngine(0), measure, workers(1));
-    const auto outcome = campaign.run(cases(1)).front();
+    const auto outcome = campaign.outcomes(cases(1)).front();
     EXPECT_EQ(outcome.measurement.outcome, Outcome::kpi_undefined);
     EXPECT_FALSE(outcome.failed());
     EXPECT_EQ(outcome.measurement.kpi("mass_kg"), 2.5);
@@ -220,7 +221,7 @@ TEST(Campaign, MeasuresAFinishedRunAgainForOtherKpisWithoutRunningIt) {
   const test::TemporaryDirectory directory;
   const test::SyntheticEngine engine(0.1);
   const auto kpis = Campaign(directory.path(), engine, test::SyntheticEngine::measure(), workers(1))
-                        .run(cases(3))[2]
+                        .outcomes(cases(3))[2]
                         .measurement.kpis;
   Measure other = test::SyntheticEngine::measure();
   other.name = "with a sum";
@@ -230,7 +231,8 @@ TEST(Campaign, MeasuresAFinishedRunAgainForOtherKpisWithoutRunningIt) {
     return m;
   };
   for (int call = 0; call < 2; ++call) {
-    const auto outcome = Campaign(directory.path(), engine, other, workers(1)).run(cases(3))[2];
+    const auto outcome =
+        Campaign(directory.path(), engine, other, workers(1)).outcomes(cases(3))[2];
     EXPECT_EQ(outcome.measurement.kpi("sum"), kpis.at("first") + kpis.at("second"));
     EXPECT_EQ(outcome.measured_by, "with a sum");
   }
@@ -242,13 +244,13 @@ TEST(Campaign, SharesFinishedRunsThroughAStore) {
   const test::SyntheticEngine engine(0.1);
   const CampaignOptions options{.compute = {.workers = 2, .store = store.path()}};
   const Campaign first(one.path(), engine, test::SyntheticEngine::measure(), options);
-  const auto of_first = first.run(cases(4));
+  const auto of_first = first.outcomes(cases(4));
   // Two campaigns may be at work at once, each in its own directory.
   const Campaign second(two.path(), engine, test::SyntheticEngine::measure(), options);
-  const auto of_second = second.run(cases(6));
+  const auto of_second = second.outcomes(cases(6));
   EXPECT_EQ(engine.runs(), 6);
   for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(of_second[i].key, of_first[i].key);
-  EXPECT_EQ(first.run(cases(6))[5].measurement.kpis, of_second[5].measurement.kpis);
+  EXPECT_EQ(first.outcomes(cases(6))[5].measurement.kpis, of_second[5].measurement.kpis);
   EXPECT_EQ(engine.runs(), 6);
 }
 
@@ -275,7 +277,7 @@ TEST(Campaign, RetriesAFailedRunWithANewSeed) {
   std::vector<RunOutcome> first;
   for (int call = 0; call < 2; ++call) {
     const Campaign campaign(directory.path(), engine, test::SyntheticEngine::measure(), options);
-    const auto outcomes = campaign.run(cases(5));
+    const auto outcomes = campaign.outcomes(cases(5));
     for (const auto& outcome : outcomes) {
       EXPECT_EQ(outcome.measurement.outcome, Outcome::finished);
       EXPECT_GE(outcome.seed, 1000U);
@@ -291,7 +293,7 @@ TEST(Campaign, GivesUpRetryingAfterTheLastAttempt) {
   const Unlucky engine{.bound = ~std::uint64_t{0}};
   const CampaignOptions options{.compute = {.workers = 1}, .failures = {.retries = 2}};
   const Campaign campaign(directory.path(), engine, test::SyntheticEngine::measure(), options);
-  EXPECT_EQ(campaign.run(cases(1)).front().measurement.outcome, Outcome::particles_lost);
+  EXPECT_EQ(campaign.outcomes(cases(1)).front().measurement.outcome, Outcome::particles_lost);
   EXPECT_EQ(*engine.runs, 3);
 }
 
@@ -302,7 +304,7 @@ TEST(Campaign, StopsWhenTooLargeAShareFailsAndKeepsWhatItHas) {
   const CampaignOptions options{.compute = {.workers = 1}, .failures = {.stop_above = 0.5}};
   const Campaign campaign(directory.path(), engine, test::SyntheticEngine::measure(), options);
   try {
-    campaign.run(cases(30));
+    campaign.outcomes(cases(30));
     FAIL();
   } catch (const SimulationError& error) {  // at 6 + 7 of 13
     EXPECT_NE(std::string(error.what()).find("7 of 13 runs failed (7 crash), more than the share"),
@@ -331,9 +333,9 @@ TEST(Campaign, SumsWhatAllPartsOfARunHaveUsed) {
   const test::TemporaryDirectory directory;
   const Campaign campaign(directory.path(), Stopping(), test::SyntheticEngine::measure(),
                           workers(1));
-  EXPECT_THROW(campaign.run(cases(1)), Interrupted);
-  EXPECT_THROW(campaign.run(cases(1)), Interrupted);
-  const auto used = campaign.run(cases(1)).front().resources;
+  EXPECT_THROW(campaign.outcomes(cases(1)), Interrupted);
+  EXPECT_THROW(campaign.outcomes(cases(1)), Interrupted);
+  const auto used = campaign.outcomes(cases(1)).front().resources;
   EXPECT_EQ(used.wall_time_s, 6.0);
   EXPECT_EQ(used.cpu_time_s, 60.0);
   EXPECT_EQ(used.peak_memory_bytes, 5000);
@@ -357,7 +359,7 @@ TEST(Campaign, BelievesThatARunIsTooMuchForTheMachineWhenItWasKilledThreeTimes) 
     const test::TemporaryDirectory directory;
     const Killed engine{.times = times};
     const Campaign campaign(directory.path(), engine, test::SyntheticEngine::measure(), workers(1));
-    EXPECT_EQ(campaign.run(cases(1)).front().measurement.outcome, outcome);
+    EXPECT_EQ(campaign.outcomes(cases(1)).front().measurement.outcome, outcome);
     EXPECT_EQ(*engine.runs, 3);
   }
 }
@@ -388,14 +390,14 @@ TEST(Campaign, GoesOnAfterAFullDisk) {
   {
     const Campaign campaign(directory.path(), filling, test::SyntheticEngine::measure(),
                             workers(1));
-    EXPECT_THROW(campaign.run(cases(6)), StorageError);
-    EXPECT_THROW(campaign.run(cases(6)), StorageError);  // it is still full
+    EXPECT_THROW(campaign.outcomes(cases(6)), StorageError);
+    EXPECT_THROW(campaign.outcomes(cases(6)), StorageError);  // it is still full
   }
   ::setrlimit(RLIMIT_FSIZE, &unlimited);
   std::signal(SIGXFSZ, previous);
   const Campaign campaign(directory.path(), filling, test::SyntheticEngine::measure(), workers(1));
   EXPECT_EQ(campaign.store().size(), 3U);
-  for (const auto& outcome : campaign.run(cases(6)))
+  for (const auto& outcome : campaign.outcomes(cases(6)))
     EXPECT_EQ(outcome.measurement.outcome, Outcome::finished);
   EXPECT_EQ(filling.engine.runs(), 7);
 }

@@ -92,9 +92,7 @@ void run_campaign(const CampaignCommandOptions& options) {
                              .failures = file.failures,
                              .stop = &stop_requested(FirstInterrupt::lets_runs_end)});
     ProgressDisplay display("campaign", options.common.progress_style());
-    campaign.run(
-        {.count = file.runs(), .make_case = [&](std::size_t i) { return file.make_case(i); }},
-        display.callback());
+    campaign.run(file.wanted_runs(), display.callback());
     display.finish();
     write_campaign_table(table, file, *read_plan(directory), campaign.store(), command_line());
   }

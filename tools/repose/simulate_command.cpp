@@ -84,14 +84,12 @@ void claim(const std::filesystem::path& directory, const std::string& case_text)
 
 void simulate(const SimulateOptions& options) {
   const auto scenario = dem_adapter::read_scenario_file(options.scenario);
-  const auto scene = scenario.make_case(parse_settings(options.settings, scenario), options.seed);
-  scene::validate(scene);
+  const auto input = scenario.make_input(parse_settings(options.settings, scenario), options.seed);
   const std::filesystem::path directory = options.output;
-  const auto case_text = scene::case_text(scene);
-  claim(directory, case_text);
+  claim(directory, input.text);
   const dem_adapter::BundledEngine engine;
   make_directory(directory);
-  write_file_atomically(directory / "case.toml", case_text);
+  write_file_atomically(directory / "case.toml", input.text);
   const auto& stop = stop_requested(FirstInterrupt::ends_runs);
   const auto exit = engine.run({.directory = directory,
                                 .time_limit_s = options.time_limit_s,
@@ -101,7 +99,7 @@ void simulate(const SimulateOptions& options) {
                                                : dem_adapter::EngineStreams::inherited});
   if (exit.status == dem_adapter::EngineStatus::cancelled) throw dem_adapter::Interrupted();
   if (exit.status != dem_adapter::EngineStatus::finished) throw SimulationError(exit.message);
-  const auto measurement = scenario.measure(scene::read_run(directory / "output"));
+  const auto measurement = scenario.measure(directory / "output");
   print_result(options, measurement, exit.resources.wall_time_s);
   if (is_failure(measurement.outcome)) throw SimulationError(measurement.failure);
 }

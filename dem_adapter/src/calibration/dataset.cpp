@@ -44,19 +44,21 @@ std::uint64_t run_seed(std::uint64_t study_seed, Phase phase, int batch, std::si
 
 void simulate(Dataset& data, const Study& study, const Campaign& campaign, Phase phase, int batch,
               const Matrix& unit_points, int repetitions, const ProgressCallback& progress) {
-  std::vector<scene::Case> cases;
+  std::vector<ParameterValues> values;  // of each run
   std::vector<Observation> added;
   for (Eigen::Index i = 0; i < unit_points.rows(); ++i) {
     const Vector unit = unit_points.row(i).transpose();
-    const auto values = study.space.complete(study.space.from_unit(unit));
     for (int r = 0; r < repetitions; ++r) {
       const auto seed = run_seed(study.seed, phase, batch, static_cast<std::size_t>(i), r);
-      cases.push_back(study.scenario.make_case(values, seed));
+      values.push_back(study.space.complete(study.space.from_unit(unit)));
       added.push_back({.point = data.points.size(), .repetition = r, .seed = seed, .outcome = {}});
     }
     data.points.push_back({.phase = phase, .batch = batch, .unit = unit});
   }
-  auto outcomes = campaign.run(cases, progress);
+  const auto make_input = [&](std::size_t run, int attempt) {
+    return study.scenario.make_input(values[run], attempt_seed(added[run].seed, attempt));
+  };
+  auto outcomes = campaign.outcomes({.count = added.size(), .make_input = make_input}, progress);
   for (std::size_t i = 0; i < added.size(); ++i) {
     added[i].outcome = std::move(outcomes[i]);
     added[i].seed = added[i].outcome.seed;

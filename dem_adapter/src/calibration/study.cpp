@@ -133,7 +133,8 @@ void check_cases(const Study& study, const TomlTable& root) {
   const auto parameters = root.table("parameters");
   const auto d = static_cast<Eigen::Index>(study.space.dimension());
   const auto build = [&](const Vector& unit) {
-    scene::validate(study.scenario.make_case(study.space.complete(study.space.from_unit(unit)), 0));
+    static_cast<void>(
+        study.scenario.make_input(study.space.complete(study.space.from_unit(unit)), 0));
   };
   try {
     build(Vector::Constant(d, 0.5));

@@ -53,9 +53,7 @@ void prepare(const std::filesystem::path& folder, const std::string& case_text) 
 
 Measure measure_of(const Scenario& scenario) {
   return {fmt::format("{} {}: {}", scenario.name(), version(), listed(scenario.kpi_names())),
-          [scenario](const std::filesystem::path& output) {
-            return scenario.measure(scene::read_run(output));
-          }};
+          [scenario](const std::filesystem::path& output) { return scenario.measure(output); }};
 }
 
 Campaign::Campaign(std::filesystem::path directory, Engine engine, Measure measure,
@@ -80,20 +78,24 @@ bool Campaign::wants_retry(const RunOutcome& outcome) const {
   return std::find(on.begin(), on.end(), outcome.measurement.outcome) != on.end();
 }
 
-Campaign::Attempt Campaign::attempt_of(scene::Case scene, int attempt) const {
-  if (attempt > 0)
-    scene.seed =
-        derive_seed(derive_seed(scene.seed, kRetryStream), static_cast<std::uint64_t>(attempt));
-  auto text = scene::case_text(scene);
-  auto key = run_key(engine_.name(), text);
-  return {.scene = std::move(scene), .text = std::move(text), .key = std::move(key)};
+std::uint64_t attempt_seed(std::uint64_t seed, int attempt) {
+  return attempt == 0
+             ? seed
+             : derive_seed(derive_seed(seed, kRetryStream), static_cast<std::uint64_t>(attempt));
+}
+
+Campaign::Attempt Campaign::attempt_of(const WantedRuns& wanted, std::size_t run,
+                                       int attempt) const {
+  auto input = wanted.make_input(run, attempt);
+  auto key = run_key(engine_.name(), input.text);
+  return {.input = std::move(input), .key = std::move(key)};
 }
 
 std::optional<RunOutcome> Campaign::recorded(const Attempt& attempt) const {
   const auto outcome = store_->find(attempt.key);
   if (!outcome) return std::nullopt;
   const auto folder = store_->folder(attempt.key);
-  if (read_file(folder / "case.toml") != attempt.text)
+  if (read_file(folder / "case.toml") != attempt.input.text)
     throw StorageError(fmt::format(
         "'{}' belongs to another case than its name says; move that folder away", folder.string()));
   const double limit = options_.compute.time_limit_s;
@@ -152,10 +154,10 @@ RunOutcome Campaign::run_one(const Attempt& attempt, const std::atomic<bool>& gi
   if (!claim) throw Interrupted();
   if (auto done = recorded(attempt)) return *done;             // somebody else was faster
   if (store_->find(attempt.key)) store_->forget(attempt.key);  // done again, with more time
-  prepare(folder, attempt.text);
+  prepare(folder, attempt.input.text);
   const auto exit = run_engine(folder, cancelled);
   RunOutcome outcome{.key = attempt.key,
-                     .seed = attempt.scene.seed,
+                     .seed = attempt.input.seed,
                      .engine = engine_.name(),
                      .resources = exit.resources};
   switch (exit.status) {
@@ -177,10 +179,10 @@ RunOutcome Campaign::run_one(const Attempt& attempt, const std::atomic<bool>& gi
   return outcome;
 }
 
-RunOutcome Campaign::brought_about(const scene::Case& scene,
+RunOutcome Campaign::brought_about(const WantedRuns& wanted, std::size_t run,
                                    const std::atomic<bool>& given_up) const {
   for (int i = 0;; ++i) {
-    const auto attempt = attempt_of(scene, i);
+    const auto attempt = attempt_of(wanted, run, i);
     auto outcome = recorded(attempt);
     if (!outcome) outcome = run_one(attempt, given_up);
     if (i == options_.failures.retries || !wants_retry(*outcome)) return *outcome;
@@ -192,11 +194,10 @@ void Campaign::run(const WantedRuns& wanted, const ProgressCallback& progress) c
   // What is finished is read first, so that the rate shown is that of new runs.
   std::vector<std::size_t> open;
   for (std::size_t i = 0; i < wanted.count; ++i) {
-    const auto scene = wanted.make_case(i);
     auto& keys = plan_.runs.emplace_back();
     std::map<std::string, RunOutcome> known;
     for (int k = 0; k <= options_.failures.retries; ++k) {
-      const auto attempt = attempt_of(scene, k);
+      const auto attempt = attempt_of(wanted, i, k);
       keys.push_back(attempt.key);
       if (auto outcome = recorded(attempt)) known.emplace(attempt.key, std::move(*outcome));
     }
@@ -216,7 +217,7 @@ void Campaign::run(const WantedRuns& wanted, const ProgressCallback& progress) c
   std::exception_ptr reason;  // of giving up: an error that concerns every run
   parallel_for(open.size(), workers_, [&](std::size_t i) {
     try {
-      tally.finished(brought_about(wanted.make_case(open[i]), given_up));
+      tally.finished(brought_about(wanted, open[i], given_up));
     } catch (const Interrupted&) {
       if (!given_up) throw;
     } catch (...) {
@@ -228,12 +229,12 @@ void Campaign::run(const WantedRuns& wanted, const ProgressCallback& progress) c
   if (reason) std::rethrow_exception(reason);
 }
 
-std::vector<RunOutcome> Campaign::run(const std::vector<scene::Case>& cases,
-                                      const ProgressCallback& progress) const {
-  run({.count = cases.size(), .make_case = [&](std::size_t i) { return cases[i]; }}, progress);
+std::vector<RunOutcome> Campaign::outcomes(const WantedRuns& wanted,
+                                           const ProgressCallback& progress) const {
+  run(wanted, progress);
   std::vector<RunOutcome> outcomes;
   const auto find = [this](const std::string& key) { return store_->find(key); };
-  for (std::size_t i = plan_.runs.size() - cases.size(); i < plan_.runs.size(); ++i) {
+  for (std::size_t i = plan_.runs.size() - wanted.count; i < plan_.runs.size(); ++i) {
     auto outcome = settled(plan_.runs[i], plan_.retry_on, find);
     if (!outcome)
       throw StorageError(fmt::format("the folder of run {} in '{}' was removed meanwhile",

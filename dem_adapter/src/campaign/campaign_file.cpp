@@ -76,7 +76,7 @@ CampaignFile read_campaign(const std::filesystem::path& directory) {
   file.compute = read_compute_plan(root, directory);
   file.failures = read_failure_policy(root, file.scenario.kpi_names());
   root.refuse_unknown_keys();
-  static_cast<void>(file.make_case(0));
+  static_cast<void>(file.make_input(0));
   return file;
 }
 
@@ -84,22 +84,26 @@ std::size_t CampaignFile::runs() const {
   return std::max<std::size_t>(1, points.rows()) * static_cast<std::size_t>(repetitions);
 }
 
-scene::Case CampaignFile::make_case(std::size_t run) const {
+RunInput CampaignFile::make_input(std::size_t run, int attempt) const {
   const auto point = point_of(run);
   ParameterValues values = fixed;
   for (const auto& column : points.columns())
     values[column.name] = std::get<std::vector<double>>(column.values)[point];
   const auto of_point = derive_seed(derive_seed(seed, kCampaignStream), point);
   try {
-    auto made =
-        scenario.make_case(ParameterSpace({}, std::move(values), ties).complete(Vector(0)),
-                           derive_seed(of_point, static_cast<std::uint64_t>(repetition_of(run))));
-    scene::validate(made);
-    return made;
+    return scenario.make_input(
+        ParameterSpace({}, std::move(values), ties).complete(Vector(0)),
+        attempt_seed(derive_seed(of_point, static_cast<std::uint64_t>(repetition_of(run))),
+                     attempt));
   } catch (const InputError& error) {
     throw InputError(
         fmt::format("point {} of the campaign cannot be simulated: {}", point + 1, error.what()));
   }
+}
+
+WantedRuns CampaignFile::wanted_runs() const {
+  return {.count = runs(),
+          .make_input = [this](std::size_t run, int attempt) { return make_input(run, attempt); }};
 }
 
 std::size_t write_campaign_table(const std::filesystem::path& file, const CampaignFile& campaign,

@@ -4,6 +4,11 @@
 
 namespace repose::dem_adapter {
 
+RunInput input_of(const scene::Case& scene) {
+  scene::validate(scene);
+  return {.seed = scene.seed, .text = scene::case_text(scene)};
+}
+
 Scenario read_scenario(const TomlTable& table) {
   // The closed set of templates; one line each.
   table.choice("scenario", {"drawdown"});

@@ -16,7 +16,6 @@
 #include "repose/dem_adapter/run_plan.hpp"
 #include "repose/dem_adapter/run_store.hpp"
 #include "repose/dem_adapter/scenario.hpp"
-#include "repose/scene/case.hpp"
 
 namespace repose::dem_adapter {
 
@@ -50,9 +49,12 @@ struct Interrupted : std::exception {
 /// The runs that a campaign wants, made when they are needed.
 struct WantedRuns {
   std::size_t count = 0;
-  /// The same case for the same number, whenever asked; from several threads at once.
-  std::function<scene::Case(std::size_t)> make_case;
+  /// The same input for the same number, whenever asked; from several threads at once. Attempts
+  /// after the first, 0, of a run that failed want another attempt_seed().
+  std::function<RunInput(std::size_t run, int attempt)> make_input;
 };
+/// The seed of an attempt at a run; that of attempt 0 is `seed` itself.
+std::uint64_t attempt_seed(std::uint64_t seed, int attempt);
 
 /// DIR/{.lock, plan.json} and a store, by default in the same directory. A failed run has an
 /// outcome too and is not repeated, unless it ran out of time and the limit is higher now.
@@ -66,14 +68,14 @@ class Campaign {
   Campaign(const Campaign&) = delete;
   Campaign& operator=(const Campaign&) = delete;
 
-  /// Sees to it that every run wanted has an outcome, whatever the number of workers. Equal cases
+  /// Sees to it that every run wanted has an outcome, whatever the number of workers. Equal inputs
   /// are run once. Progress counts runs; its note names rate and failures. Throws Interrupted,
   /// SimulationError if too many fail, and what concerns every run: a full disk, a missing engine.
-  /// Memory does not hold the cases, only some keys: below 1 kB a run.
+  /// Memory does not hold the inputs, only some keys: below 1 kB a run.
   void run(const WantedRuns& wanted, const ProgressCallback& progress = {}) const;
-  /// The same, with the outcomes in order of the cases.
-  std::vector<RunOutcome> run(const std::vector<scene::Case>& cases,
-                              const ProgressCallback& progress = {}) const;
+  /// The same, with the outcomes in order of the runs.
+  std::vector<RunOutcome> outcomes(const WantedRuns& wanted,
+                                   const ProgressCallback& progress = {}) const;
 
   const std::filesystem::path& directory() const { return directory_; }
   const RunStore& store() const { return *store_; }
@@ -81,16 +83,17 @@ class Campaign {
   unsigned workers() const { return workers_; }
 
  private:
-  /// A case with the first seed or a new one, and what it is called.
+  /// A run with the first seed or a new one, and what it is called.
   struct Attempt {
-    scene::Case scene;
-    std::string text, key;
+    RunInput input;
+    std::string key;
   };
-  Attempt attempt_of(scene::Case scene, int attempt) const;
+  Attempt attempt_of(const WantedRuns& wanted, std::size_t run, int attempt) const;
   /// A recorded outcome that still stands.
   std::optional<RunOutcome> recorded(const Attempt& attempt) const;
   std::optional<RunOutcome> measured_anew(RunOutcome outcome) const;
-  RunOutcome brought_about(const scene::Case& scene, const std::atomic<bool>& given_up) const;
+  RunOutcome brought_about(const WantedRuns& wanted, std::size_t run,
+                           const std::atomic<bool>& given_up) const;
   RunOutcome run_one(const Attempt& attempt, const std::atomic<bool>& given_up) const;
   EngineExit run_engine(const std::filesystem::path& folder,
                         const std::function<bool()>& cancelled) const;

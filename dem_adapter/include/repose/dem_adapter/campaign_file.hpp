@@ -36,7 +36,8 @@ struct CampaignFile {
     return static_cast<int>(run % static_cast<std::size_t>(repetitions));
   }
   /// Throws InputError naming the point if its values cannot be simulated.
-  scene::Case make_case(std::size_t run) const;
+  RunInput make_input(std::size_t run, int attempt = 0) const;
+  WantedRuns wanted_runs() const;  ///< while this lives
 };
 
 /// Throws StorageError if there is none, InputError with file and line.

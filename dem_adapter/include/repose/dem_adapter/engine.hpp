@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "repose/dem_adapter/executor.hpp"
 #include "repose/dem_adapter/outcome.hpp"
 
 namespace repose::dem_adapter {
@@ -68,14 +69,14 @@ class Engine {
   std::shared_ptr<const Interface> model_;
 };
 
-/// The bundled engine: repose-dem as a child process in a process group of its own, so that a time
-/// limit ends everything it started, and that dies with us.
+/// The bundled engine: the program repose-dem.
 class BundledEngine {
  public:
   /// `program` empty: repose-dem beside the running program, then on PATH. A run that is told to
   /// end has `grace_s` for its checkpoint before it is killed. Throws StorageError if there is no
   /// program, InputError for a grace below 0.
-  explicit BundledEngine(std::filesystem::path program = {}, double grace_s = 10.0);
+  explicit BundledEngine(std::filesystem::path program = {}, double grace_s = 10.0,
+                         Executor executor = LocalExecutor());
   std::string name() const;
   /// Throws the Error of the engine where no run could succeed: bad input, a full disk.
   EngineExit run(const EngineJob& job) const;
@@ -83,6 +84,7 @@ class BundledEngine {
  private:
   std::filesystem::path program_;
   double grace_s_;
+  Executor executor_;
   std::string name_;
 };
 

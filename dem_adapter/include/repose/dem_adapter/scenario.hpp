@@ -16,15 +16,39 @@
 
 namespace repose::dem_adapter {
 
-/// Anything with these members is a scenario.
+/// What a run starts from: the text of its case.toml, which holds parameters and seed.
+struct RunInput {
+  std::uint64_t seed = 0;
+  std::string text;
+};
+
 template <class S>
-concept ScenarioLike = requires(const S& s, const ParameterValues& values, const scene::Run& run) {
+concept HasNames = requires(const S& s) {
   { s.name() } -> std::convertible_to<std::string>;
   { s.parameter_names() } -> std::convertible_to<std::vector<std::string>>;
   { s.kpi_names() } -> std::convertible_to<std::vector<std::string>>;
+};
+
+/// A scenario of cases, which any engine can run that simulates particles.
+template <class S>
+concept CaseScenario = HasNames<S> &&
+    requires(const S& s, const ParameterValues& values, const scene::Run& run) {
   { s.make_case(values, std::uint64_t{}) } -> std::convertible_to<scene::Case>;
   { s.measure(run) } -> std::convertible_to<Measurement>;
 };
+
+/// A scenario whose input and output only its own engine understands.
+template <class S>
+concept TextScenario = HasNames<S> &&
+    requires(const S& s, const ParameterValues& values, const std::filesystem::path& output) {
+  { s.make_input(values, std::uint64_t{}) } -> std::convertible_to<RunInput>;
+  { s.measure(output) } -> std::convertible_to<Measurement>;
+};
+
+template <class S>
+concept ScenarioLike = CaseScenario<S> || TextScenario<S>;
+
+RunInput input_of(const scene::Case& scene);  ///< throws InputError as scene::validate() does
 
 /// Any scenario as a value; copies share it, and it never changes.
 class Scenario {
@@ -34,15 +58,17 @@ class Scenario {
       : model_(std::make_shared<const Model<S>>(std::move(scenario))) {}
 
   std::string name() const { return model_->name(); }
-  /// Names that make_case() understands; each has a default.
+  /// Names that make_input() understands; each has a default.
   std::vector<std::string> parameter_names() const { return model_->parameter_names(); }
   std::vector<std::string> kpi_names() const { return model_->kpi_names(); }
   /// The simulation with these values in place of defaults. Names it does not know are ignored
   /// (they may be sources of ties); values out of range throw InputError naming them.
-  scene::Case make_case(const ParameterValues& values, std::uint64_t seed) const {
-    return model_->make_case(values, seed);
+  RunInput make_input(const ParameterValues& values, std::uint64_t seed) const {
+    return model_->make_input(values, seed);
   }
-  Measurement measure(const scene::Run& run) const { return model_->measure(run); }
+  /// Of what the engine left in its output folder. Throws InputError or StorageError if that is not
+  /// what this scenario expects.
+  Measurement measure(const std::filesystem::path& output) const { return model_->measure(output); }
 
  private:
   struct Interface {
@@ -50,8 +76,8 @@ class Scenario {
     virtual std::string name() const = 0;
     virtual std::vector<std::string> parameter_names() const = 0;
     virtual std::vector<std::string> kpi_names() const = 0;
-    virtual scene::Case make_case(const ParameterValues& values, std::uint64_t seed) const = 0;
-    virtual Measurement measure(const scene::Run& run) const = 0;
+    virtual RunInput make_input(const ParameterValues& values, std::uint64_t seed) const = 0;
+    virtual Measurement measure(const std::filesystem::path& output) const = 0;
   };
   template <class S>
   struct Model final : Interface {
@@ -59,10 +85,18 @@ class Scenario {
     std::string name() const override { return scenario.name(); }
     std::vector<std::string> parameter_names() const override { return scenario.parameter_names(); }
     std::vector<std::string> kpi_names() const override { return scenario.kpi_names(); }
-    scene::Case make_case(const ParameterValues& values, std::uint64_t seed) const override {
-      return scenario.make_case(values, seed);
+    RunInput make_input(const ParameterValues& values, std::uint64_t seed) const override {
+      if constexpr (CaseScenario<S>)
+        return input_of(scenario.make_case(values, seed));
+      else
+        return scenario.make_input(values, seed);
     }
-    Measurement measure(const scene::Run& run) const override { return scenario.measure(run); }
+    Measurement measure(const std::filesystem::path& output) const override {
+      if constexpr (CaseScenario<S>)
+        return scenario.measure(scene::read_run(output));
+      else
+        return scenario.measure(output);
+    }
     S scenario;
   };
   std::shared_ptr<const Interface> model_;
