@@ -66,6 +66,7 @@ struct Options {
   std::optional<std::uint64_t> seed;
   int ranks = 1;
   std::string balance = "by-cost";
+  std::string until;
   bool from_start = false;
   bool quiet = false;
   bool json = false;
@@ -105,7 +106,13 @@ void print_text(const repose::scene::RunSummary& s, const std::string& output) {
     fmt::print("{} bodies, {:.6g} kg were removed\n", s.bodies.removed, s.bodies.removed_kg);
   for (const repose::scene::StageEnd& stage : s.stages)
     fmt::print("stage {}: {:.4g} s, {}\n", stage.name, stage.time_s, stage.reason);
-  fmt::print("{}\n", is_file_name(output) ? output : (fs::path(output) / "run.h5").string());
+  const fs::path folder = output;
+  if (is_file_name(output))
+    fmt::print("{}\n", output);
+  else if (fs::exists(folder / "run.h5"))
+    fmt::print("{}\n", (folder / "run.h5").string());
+  else
+    fmt::print("it waits in {} and goes on without --until\n", output);
 }
 
 void run(const Options& options) {
@@ -133,6 +140,7 @@ void run(const Options& options) {
                 .request = request,
                 .warn = warn,
                 .start = start,
+                .until = options.until,
                 .balance = options.balance == "never" ? repose::dem::Balance::never
                                                       : repose::dem::Balance::by_cost});
   display.finish();
@@ -204,6 +212,9 @@ int main(int argc, char** argv) {
                  "When the domain is cut anew; changes no bit of the result")
       ->check(CLI::IsMember({"by-cost", "never"}))
       ->capture_default_str();
+  app.add_option("--until", options.until,
+                 "Wait at the end of this stage; without it the run goes on, also with a case\n"
+                 "of which only later stages differ");
   app.add_flag("--from-start", options.from_start,
                "Begin anew where the folder holds a checkpoint");
   app.add_flag("--quiet", options.quiet, "No progress");

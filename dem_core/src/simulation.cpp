@@ -15,7 +15,7 @@ Simulation::Simulation(const scene::Case& scene, const SimulationOptions& option
 }
 
 Simulation::Simulation(const scene::Case& scene, const Checkpoint& checkpoint, Balance balance) {
-  require_same_case(checkpoint, scene);
+  require_same_beginning(checkpoint, scene);
   state_ =
       std::make_unique<State>(scene, SimulationOptions{checkpoint.number("time_step_option_s"),
                                                        checkpoint.number("skin_radii"), balance});
@@ -52,6 +52,7 @@ void Simulation::begin_stage(const std::string& name) {
   if (stage == stages.end()) throw InputError("stage \"" + name + "\" is not in the case");
   for (const std::string& wall : stage->opens) open(wall);
   state_->walls.begin_stage(name, time_s());
+  state_->laws = LawTable(state_->scene, &*stage);
   state_->stage_start_s[name] = time_s();
 }
 

@@ -31,7 +31,7 @@ struct Simulation::State {
         options(chosen),
         box(given),
         walls(given),
-        laws(given),
+        laws(given, given.stages.empty() ? nullptr : &given.stages.front()),
         forms(scene),
         domain(Communicator::of_launcher()) {}
 
@@ -138,7 +138,7 @@ struct Simulation::State {
   Checkpoint checkpoint();
   void restore(const Checkpoint& saved);
   void restore_bodies_and_lists(const Checkpoint& saved);
-  void restore_walls(const Checkpoint& saved);
+  void restore_stages(const Checkpoint& saved);
   void restore_sums(const Checkpoint& saved);
   std::uint64_t hash();
   void watch_overlap(const DeepestOverlap& now);

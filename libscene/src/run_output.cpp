@@ -73,6 +73,7 @@ RunWriter::RunWriter(fs::path directory, const Case& scene, const OutputPosition
     remove_unfinished(part);
   remove_part(folder / "run.h5");
   const auto tables = state_->tables();
+  write_file_atomically(folder / "case.toml", state_->case_text);
   if (position.chunks.size() != tables.size())
     throw StorageError(folder.string() + ": the output of another version cannot go on");
   for (std::size_t t = 0; t < tables.size(); ++t)

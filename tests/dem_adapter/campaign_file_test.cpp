@@ -174,6 +174,60 @@ TEST(CampaignRetry, HasOnlyTheRunsOfTheseOutcomesDoneAgain) {
   EXPECT_EQ(small.engine.runs(), 14);
 }
 
+TEST(CampaignRetry, LeavesRunsAloneThatANewSeedHasSaved) {
+  const test::TemporaryDirectory directory;
+  struct Unlucky {  // the first seed of every run fails
+    std::shared_ptr<std::set<std::string>> seen = std::make_shared<std::set<std::string>>();
+    std::string name() const { return "unlucky"; }
+    EngineExit run(const EngineJob& job) const {
+      const auto c = scene::read_case(job.directory / "case.toml");
+      if (seen->insert(fmt::format("{}", c.pairs[0].mu_s)).second)
+        return {.failure = Outcome::particles_lost, .message = "lost"};
+      std::filesystem::create_directories(job.directory / "output");
+      write(job.directory / "output" / "kpis.txt", "1 2 3");
+      return {.status = EngineStatus::finished};
+    }
+  };
+  Small small;
+  small.file.repetitions = 1;
+  small.file.failures.retries = 1;
+  {
+    const Campaign campaign(directory.path(), Unlucky(), test::SyntheticEngine::measure(),
+                            {.compute = small.file.compute, .failures = small.file.failures});
+    campaign.run(small.file.wanted_runs());
+  }
+  EXPECT_EQ(campaign_status(directory.path()).failed(), 0U);
+  EXPECT_TRUE(retry_runs(directory.path(), {Outcome::particles_lost}).empty());
+  EXPECT_EQ(retry_runs(directory.path(), {Outcome::finished}).size(), 10U);  // both attempts of 5
+}
+
+TEST(CampaignTable, IsRefusedWhereThePointsAreOthersNow) {
+  const test::TemporaryDirectory directory;
+  Small small;
+  small.run(directory.path());
+  small.file.repetitions = 1;
+  try {
+    small.table(directory.path());
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("run 2 is another one now"), std::string::npos)
+        << error.what();
+  }
+  EXPECT_FALSE(std::filesystem::exists(directory / "runs.h5"));
+}
+
+TEST(CampaignFile, GivesEveryPointTheSameSeedsIfTold) {
+  const test::TemporaryDirectory directory;
+  write(directory / "points.csv", "mu_s_pp\n0.3\n0.5\n");
+  write(directory / "campaign.toml",
+        "points = \"points.csv\"\nrepetitions = 2\nseeds = \"common\"\n" + kScenario);
+  const auto file = read_campaign(directory.path());
+  EXPECT_EQ(file.make_input(0).seed, file.make_input(2).seed);
+  EXPECT_EQ(file.make_input(1).seed, file.make_input(3).seed);
+  EXPECT_NE(file.make_input(0).seed, file.make_input(1).seed);
+  EXPECT_NE(file.make_input(0).text, file.make_input(2).text);
+}
+
 TEST(CampaignUpkeep, IsRefusedWhileTheCampaignRuns) {
   const test::TemporaryDirectory directory;
   const Small small;
@@ -213,6 +267,25 @@ TEST(CampaignClean, RemovesRunsOfNoPlanButNotFromASharedStore) {
   EXPECT_EQ(small.engine.runs(), 10);
   EXPECT_EQ(campaign_status(sharing.path()).settled, 5U);
   EXPECT_THROW(clean_campaign(sharing.path(), {.unplanned = CleanUnplanned::remove}), InputError);
+}
+
+TEST(CampaignClean, KeepsRunsThatOtherStudiesWant) {
+  const test::TemporaryDirectory store, sharing;
+  Small small;
+  small.file.compute.store = store.path();
+  small.run(sharing.path());
+  const auto stopped = read_plan(sharing.path())->runs[2].front();
+  RunStore(store.path(), StoreAccess::write).forget(stopped);
+  std::filesystem::create_directories(store.path() / "runs/nobody");
+  // The store has no plan of its own; somebody else's runs are not without a plan.
+  const auto cleaned = clean_campaign(store.path(), {.unplanned = CleanUnplanned::remove});
+  EXPECT_EQ(cleaned.unplanned, 0U);
+  EXPECT_EQ(cleaned.stopped, 1U);  // "nobody"
+  EXPECT_TRUE(std::filesystem::exists(store.path() / "runs" / stopped));
+  EXPECT_EQ(campaign_status(sharing.path()).settled, 9U);
+  // A study that is gone wants nothing.
+  std::filesystem::remove_all(sharing.path());
+  EXPECT_EQ(clean_campaign(store.path(), {.unplanned = CleanUnplanned::remove}).unplanned, 0U);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <csignal>
 #include <fstream>
+#include <thread>
 
 #include "repose/base/error.hpp"
 #include "repose/scene/run_output.hpp"
@@ -399,7 +400,113 @@ TEST(Campaign, GoesOnAfterAFullDisk) {
   EXPECT_EQ(campaign.store().size(), 3U);
   for (const auto& outcome : campaign.outcomes(cases(6)))
     EXPECT_EQ(outcome.measurement.outcome, Outcome::finished);
-  EXPECT_EQ(filling.engine.runs(), 7);
+  EXPECT_EQ(filling.engine.runs(), 7);  // that the fourth had finished could not be noted
+}
+
+TEST(Campaign, DoesNotRepeatARunThatAnotherOneIsDoing) {
+  struct Slow {
+    test::SyntheticEngine engine{0.1};
+    std::string name() const { return "slow"; }
+    EngineExit run(const EngineJob& job) const {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      return engine.run(job);
+    }
+  };
+  const test::TemporaryDirectory store;
+  const Slow engine;
+  std::vector<std::thread> studies;
+  for (int s = 0; s < 3; ++s)
+    studies.emplace_back([&] {
+      const test::TemporaryDirectory directory;
+      const Campaign campaign(directory.path(), engine, test::SyntheticEngine::measure(),
+                              {.compute = {.workers = 2, .store = store.path()}});
+      for (const auto& outcome : campaign.outcomes(cases(6)))
+        EXPECT_EQ(outcome.measurement.outcome, Outcome::finished);
+    });
+  for (auto& study : studies) study.join();
+  EXPECT_EQ(engine.engine.runs(), 6);
+}
+
+TEST(Campaign, TakesWhatAnotherOneDidWithMoreTimeWhileItWaited) {
+  struct Once {
+    std::shared_ptr<std::atomic<int>> runs = std::make_shared<std::atomic<int>>(0);
+    std::string name() const { return "once"; }
+    EngineExit run(const EngineJob& job) const {
+      ++*runs;
+      if (job.time_limit_s < 15.0) return {.status = EngineStatus::timed_out};
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      std::filesystem::create_directories(job.directory / "output");
+      std::ofstream(job.directory / "output" / "kpis.txt") << "1 2 3";
+      return {.status = EngineStatus::finished};
+    }
+  };
+  const test::TemporaryDirectory store, before;
+  const Once engine;
+  const auto options = [&](double limit) {
+    return CampaignOptions{.compute = {.workers = 1, .time_limit_s = limit, .store = store.path()}};
+  };
+  Campaign(before.path(), engine, test::SyntheticEngine::measure(), options(10)).run(cases(1));
+  std::vector<std::thread> studies;
+  for (int s = 0; s < 2; ++s)
+    studies.emplace_back([&] {
+      const test::TemporaryDirectory directory;
+      const Campaign campaign(directory.path(), engine, test::SyntheticEngine::measure(),
+                              options(20));
+      EXPECT_FALSE(campaign.outcomes(cases(1)).front().failed());
+    });
+  for (auto& study : studies) study.join();
+  EXPECT_EQ(*engine.runs, 2);
+}
+
+TEST(Campaign, LimitsTheTimeOfAllPartsOfARunTogether) {
+  struct Stopping {
+    std::shared_ptr<std::vector<double>> limits = std::make_shared<std::vector<double>>();
+    std::string name() const { return "stopping"; }
+    EngineExit run(const EngineJob& job) const {
+      limits->push_back(job.time_limit_s);
+      std::filesystem::create_directories(job.directory / "output");
+      std::ofstream(scene::checkpoint_file(job.directory / "output")) << "state";
+      return {.status = EngineStatus::cancelled, .resources = {.wall_time_s = 40.0}};
+    }
+  };
+  const test::TemporaryDirectory directory;
+  const Stopping engine;
+  const Campaign campaign(directory.path(), engine, test::SyntheticEngine::measure(),
+                          {.compute = {.workers = 1, .time_limit_s = 100.0}});
+  for (int part = 0; part < 4; ++part) EXPECT_THROW(campaign.outcomes(cases(1)), Interrupted);
+  EXPECT_EQ((*engine.limits)[0], 100.0);
+  EXPECT_EQ((*engine.limits)[1], 60.0);
+  EXPECT_EQ((*engine.limits)[2], 20.0);
+  EXPECT_LT((*engine.limits)[3], 0.1);
+  EXPECT_GT((*engine.limits)[3], 0.0);  // 0 would be without a limit
+}
+
+TEST(Campaign, OnlyMeasuresARunThatFinishedBeforeItWasKilled) {
+  const test::TemporaryDirectory directory;
+  const test::SyntheticEngine engine(0.1);
+  const Measure killed{"synthetic", [](const std::filesystem::path&) -> Measurement {
+                         throw Error(ErrorKind::internal, "killed here");
+                       }};
+  EXPECT_THROW(Campaign(directory.path(), engine, killed, workers(1)).run(cases(2)), Error);
+  const Campaign campaign(directory.path(), engine, test::SyntheticEngine::measure(), workers(1));
+  const auto outcomes = campaign.outcomes(cases(2));
+  EXPECT_EQ(engine.runs(), 2);
+  EXPECT_EQ(outcomes[0].resources.wall_time_s, 0.01);
+}
+
+TEST(Campaign, ReadsAnOutputAgainThatCouldNotBeReadOnce) {
+  const test::TemporaryDirectory directory;
+  const test::SyntheticEngine engine(0.1);
+  const Measure unlucky{"synthetic", [](const std::filesystem::path&) -> Measurement {
+                          throw StorageError("too many open files");
+                        }};
+  EXPECT_EQ(Campaign(directory.path(), engine, unlucky, workers(1))
+                .outcomes(cases(1))[0]
+                .measurement.outcome,
+            Outcome::output_unreadable);
+  const Campaign campaign(directory.path(), engine, test::SyntheticEngine::measure(), workers(1));
+  EXPECT_EQ(campaign.outcomes(cases(1))[0].measurement.outcome, Outcome::finished);
+  EXPECT_EQ(engine.runs(), 1);
 }
 
 TEST(Campaign, SaysWhereItCannotWrite) {

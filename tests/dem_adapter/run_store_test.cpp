@@ -157,9 +157,46 @@ TEST(RunStore, LosesNothingWhenItsIndexIsCompactedUnderAWriter) {
   const auto before = std::filesystem::file_size(directory / "index.jsonl");
   RunStore(directory.path(), StoreAccess::write).compact_index();
   EXPECT_LT(std::filesystem::file_size(directory / "index.jsonl"), before);
-  record(writer, 6);  // into the file that is no longer the index
+  record(writer, 6);  // not into the file that is no longer the index
   expect_found(writer, 2);
   expect_all(directory.path(), 7);
+}
+
+TEST(RunStore, ForgetsForGoodWhenItsIndexWasCompactedMeanwhile) {
+  const test::TemporaryDirectory directory;
+  const RunStore writer(directory.path(), StoreAccess::write);
+  for (int i = 0; i < 3; ++i) record(writer, i);
+  RunStore(directory.path(), StoreAccess::write).compact_index();
+  writer.forget(outcome(1).key);
+  EXPECT_FALSE(RunStore(directory.path(), StoreAccess::read).find(outcome(1).key));
+  record(writer, 1);
+  expect_all(directory.path(), 3);
+}
+
+TEST(RunStore, SeesInTheFolderWhatAnotherProcessDidSince) {
+  const test::TemporaryDirectory directory;
+  const RunStore one(directory.path(), StoreAccess::write);
+  record(one, 0);
+  const RunStore two(directory.path(), StoreAccess::write);
+  two.forget(outcome(0).key);
+  EXPECT_FALSE(one.find_in_folder(outcome(0).key));
+  EXPECT_FALSE(one.find(outcome(0).key));
+  record(two, 0);
+  EXPECT_TRUE(one.find_in_folder(outcome(0).key));
+}
+
+TEST(RunStore, IsOpenedWhereSomebodyCopiedAFolderUnderAnotherName) {
+  const test::TemporaryDirectory directory;
+  {
+    const RunStore store(directory.path(), StoreAccess::write);
+    record(store, 0);
+  }
+  const auto runs = directory / "runs";
+  std::filesystem::copy(runs / outcome(0).key, runs / "backup",
+                        std::filesystem::copy_options::recursive);
+  const RunStore store(directory.path(), StoreAccess::write);
+  EXPECT_EQ(store.keys(), std::vector<std::string>{outcome(0).key});
+  expect_found(store, 0);
 }
 
 TEST(RunStore, NamesADamagedOutcome) {

@@ -178,10 +178,82 @@ TEST(RunCase, RefusesTheCheckpointOfAnotherCaseByWhatDiffers) {
   other.seed = 2;
   EXPECT_NE(refusal(other, folder.path).find("in [run] it had \"seed = 1\""), std::string::npos);
   other = c;
-  other.stages[1].opens.clear();
+  other.stages[0].duration_s = 0.07;
   EXPECT_NE(refusal(other, folder.path).find("in [[stage]]"), std::string::npos)
       << refusal(other, folder.path);
   EXPECT_EQ(read_file(scene::checkpoint_file(folder.path)), before);
+}
+
+/// The same, filled with coefficients of the stage's own.
+scene::Case filled_alike(scene::Case c, double mu_s) {
+  c.stages[0].coefficients = scene::StageCoefficients{.restitution = 0.6, .mu_s = 0.3, .mu_r = 0.2};
+  for (scene::PairCoefficients& pair : c.pairs) pair.mu_s = mu_s;
+  return c;
+}
+
+TEST(RunCase, WaitsAfterAStageAndGoesOnWithAnotherCaseOfTheSameBeginning) {
+  const TestFolder folder;
+  const scene::Case one = everything();
+  scene::Case other = one;
+  other.stages[1].duration_s = 0.2;
+  other.stages[1].flow_ends.reset();
+  std::get<scene::Rotation>(other.motions[1].path).rate_rad_s = -12.0;
+  const std::pair<scene::Case, scene::Case> kPairs[] = {
+      {one, other}, {filled_alike(one, 0.5), filled_alike(one, 0.1)}};
+  for (const auto& [first, second] : kPairs) {
+    fs::remove_all(folder.path);
+    const auto summary = run_case(first, folder.path / "shared", {.until = "fill"});
+    EXPECT_EQ(summary.stages.size(), 1u);
+    EXPECT_FALSE(fs::exists(folder.path / "shared/run.h5"));
+    for (const auto& [c, name] : {std::pair{&first, "first"}, std::pair{&second, "second"}}) {
+      const fs::path on = folder.path / name, straight = folder.path / "straight" / name;
+      fs::copy(folder.path / "shared", on, fs::copy_options::recursive);
+      run_case(*c, on);
+      run_case(*c, straight);
+      expect_same_output(straight, on);
+      EXPECT_TRUE(scene::read_run(on).scene() == *c);
+    }
+    EXPECT_NE(scene::read_run(folder.path / "first").summary().state_hash,
+              scene::read_run(folder.path / "second").summary().state_hash);
+  }
+}
+
+TEST(RunCase, RefusesAWaitingRunWithAnotherBeginning) {
+  const TestFolder folder;
+  const scene::Case c = everything();
+  run_case(c, folder.path, {.until = "fill"});
+  scene::Case other = c;
+  other.pairs[0].mu_s = 0.6;  // the filling uses it
+  EXPECT_NE(refusal(other, folder.path).find("mu_s = 0.6"), std::string::npos);
+  other = c;
+  other.motions[1].walls = {"floor"};
+  EXPECT_NE(refusal(other, folder.path).find("in [[motion]]"), std::string::npos);
+}
+
+TEST(RunCase, NamesTheStagesWhereItCannotWait) {
+  const TestFolder folder;
+  try {
+    run_case(everything(), folder.path / "run", {.until = "settle"});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("it has fill and flow"), std::string::npos)
+        << error.what();
+  }
+  EXPECT_FALSE(fs::exists(folder.path / "run/case.toml"));
+  EXPECT_THROW(run_case_into_file(everything(), folder.path / "run.h5", {.until = "fill"}),
+               InputError);
+}
+
+TEST(RunCase, KeepsTheEnergyLedgerWhereAStageChangesTheCoefficients) {
+  const TestFolder folder;
+  const auto error_of = [&](const scene::Case& c) {
+    run_case(c, folder.path / "run", {.start = Start::anew});
+    const auto error = scene::read_run(folder.path / "run").energy().numbers("error_j");
+    double largest = 0.0;
+    for (const double e : error) largest = std::max(largest, std::abs(e));
+    return largest;
+  };
+  EXPECT_LT(error_of(filled_alike(everything(), 0.1)), 2.0 * error_of(everything()) + 1e-9);
 }
 
 /// What a run says that goes on in this folder.

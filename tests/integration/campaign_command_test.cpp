@@ -11,6 +11,7 @@
 
 #include "program.hpp"
 #include "repose/table/io.hpp"
+#include "repose/table/operations.hpp"
 
 namespace repose {
 namespace {
@@ -123,6 +124,28 @@ TEST(CampaignCommand, RunsWhatIsMissingAndGivesATable) {
   EXPECT_EQ(json_of(bench, "campaign clean c --outputs").at("outputs"), 4);
   EXPECT_FALSE(std::filesystem::exists(bench / "c/runs" / key / "output"));
   EXPECT_EQ(json_of(bench, "campaign status c").at("settled"), 4);
+}
+
+TEST(CampaignCommand, SettlesAFillingOnceThatRunsShare) {
+  const Workbench bench;
+  std::vector<std::string> kpis;
+  for (const char* share : {"false", "true"}) {
+    std::filesystem::remove_all(bench / "c");
+    set_up(bench,
+           "settle_coefficients = {restitution = 0.4, mu_s = 0.3, mu_r = 0.1}\n[compute]\n"
+           "share_beginnings = " +
+               std::string(share) + "\n");
+    bench.write("c/campaign.toml",
+                "seeds = \"common\"\n" + test::text_of(bench / "c/campaign.toml"));
+    json_of(bench, "campaign run c");
+    const auto table = table::read_table({bench / "c/runs.h5", ""}, table::Missing::allow);
+    EXPECT_EQ(table.texts("outcome"), std::vector<std::string>(4, "finished"));
+    EXPECT_NE(table.numbers("shear_angle_deg")[0], table.numbers("shear_angle_deg")[2]);
+    kpis.push_back(table::csv_text(
+        table::selected_columns(table, {"run", "seed", "shear_angle_deg", "angle_of_repose_deg"})));
+  }
+  EXPECT_EQ(kpis[0], kpis[1]);
+  EXPECT_EQ(json_of(bench, "campaign clean c").at("beginnings"), 2);  // one a repetition
 }
 
 TEST(CampaignCommand, SaysWhatIsWrong) {

@@ -171,6 +171,7 @@ name = "s"
 duration_s = 1
 at_rest = {window_s = 1 <<,[[stage]] at_rest>>}
 flow_ends = {region = "r" <<,[[stage]] flow_ends>>}
+coefficients = {restitution = 0.5, mu_s = 0, mu_r = 0 <<,[[stage]] coefficients>>}
 <<[[stage]]>>
 [output]
 <<[output]>>

@@ -109,6 +109,7 @@ inline Case sample_case() {
   first.duration_s = 0.5;
   first.minimum_s = 0.1;
   first.at_rest = AtRest{1e-5, 0.03};
+  first.coefficients = StageCoefficients{.restitution = 0.4, .mu_s = 0.35, .mu_r = 0.05};
   Stage second;
   second.name = "open";
   second.opens = {"bin.-z"};

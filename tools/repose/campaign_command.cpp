@@ -136,9 +136,11 @@ void clean(const CampaignCommandOptions& options) {
         {{"stopped", cleaned.stopped},
          {"outputs", cleaned.outputs},
          {"unplanned", cleaned.unplanned},
+         {"beginnings", cleaned.beginnings},
          {"bytes", cleaned.bytes}},
-        fmt::format("removed {} stopped runs, {} outputs and {} runs of no plan: {:.3g} MB\n",
-                    cleaned.stopped, cleaned.outputs, cleaned.unplanned,
+        fmt::format("removed {} stopped runs, {} outputs, {} runs of no plan and {} shared "
+                    "beginnings: {:.3g} MB\n",
+                    cleaned.stopped, cleaned.outputs, cleaned.unplanned, cleaned.beginnings,
                     1e-6 * static_cast<double>(cleaned.bytes)));
 }
 

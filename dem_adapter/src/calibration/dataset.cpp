@@ -32,12 +32,14 @@ std::size_t Dataset::failed() const {
   return count;
 }
 
-std::uint64_t run_seed(std::uint64_t study_seed, Phase phase, int batch, std::size_t index,
+std::uint64_t run_seed(const Study& study, Phase phase, int batch, std::size_t index,
                        int repetition) {
   // Verification and the baseline share a seed for each repetition; every other run has its own.
   if (phase == Phase::verification || phase == Phase::baseline)
-    return derive_seed(derive_seed(study_seed, 1), static_cast<std::uint64_t>(repetition));
-  const auto of_phase = derive_seed(study_seed, 2 + static_cast<std::uint64_t>(phase));
+    return derive_seed(derive_seed(study.seed, 1), static_cast<std::uint64_t>(repetition));
+  if (study.seeds == Seeds::common)
+    return derive_seed(derive_seed(study.seed, 2), static_cast<std::uint64_t>(repetition));
+  const auto of_phase = derive_seed(study.seed, 2 + static_cast<std::uint64_t>(phase));
   const auto of_point = derive_seed(of_phase, (static_cast<std::uint64_t>(batch) << 32) | index);
   return derive_seed(of_point, static_cast<std::uint64_t>(repetition));
 }
@@ -49,7 +51,7 @@ void simulate(Dataset& data, const Study& study, const Campaign& campaign, Phase
   for (Eigen::Index i = 0; i < unit_points.rows(); ++i) {
     const Vector unit = unit_points.row(i).transpose();
     for (int r = 0; r < repetitions; ++r) {
-      const auto seed = run_seed(study.seed, phase, batch, static_cast<std::size_t>(i), r);
+      const auto seed = run_seed(study, phase, batch, static_cast<std::size_t>(i), r);
       values.push_back(study.space.complete(study.space.from_unit(unit)));
       added.push_back({.point = data.points.size(), .repetition = r, .seed = seed, .outcome = {}});
     }

@@ -168,7 +168,8 @@ Study read_study(const std::filesystem::path& path) {
   const auto root = TomlTable::read_file(path);
   Study study{.title = root.text_or("title", path.stem().string()),
               .scenario = read_scenario_key(root, path.parent_path()),
-              .seed = static_cast<std::uint64_t>(root.integer_or("seed", 1, {.lower = 0.0}))};
+              .seed = static_cast<std::uint64_t>(root.integer_or("seed", 1, {.lower = 0.0})),
+              .seeds = read_seeds(root)};
   study.space = read_space(root, study.scenario.parameter_names(), study.scenario.kpi_names());
   study.targets = read_targets(root, study.scenario.kpi_names());
   read_plans(root, study);

@@ -13,6 +13,8 @@
 #include "repose/base/text.hpp"
 #include "repose/base/thread_pool.hpp"
 #include "repose/scene/run_output.hpp"
+#include "run_folder.hpp"
+#include "shared_beginnings.hpp"
 #include "tally.hpp"
 
 namespace repose::dem_adapter {
@@ -20,10 +22,6 @@ namespace {
 
 constexpr std::uint64_t kRetryStream = 400;
 constexpr int kKillsBelieved = 3;  // killed by others so often in a row, it is about the run
-
-std::filesystem::path parts_file(const std::filesystem::path& folder) {
-  return folder / "parts.json";
-}
 
 /// What earlier parts of a run that goes on have used.
 Resources earlier_parts(const std::filesystem::path& folder) {
@@ -33,20 +31,6 @@ Resources earlier_parts(const std::filesystem::path& folder) {
   } catch (const nlohmann::json::exception&) {
     return {.parts = 0};
   }
-}
-
-/// Leaves a run's folder as it is if the engine can go on in it, else without what it wrote.
-void prepare(const std::filesystem::path& folder, const std::string& case_text) {
-  std::error_code code;
-  if (!std::filesystem::exists(scene::checkpoint_file(folder / "output"))) {
-    for (const char* name : {"output", "engine.log", "parts.json"})
-      std::filesystem::remove_all(folder / name, code);
-    if (code)
-      throw StorageError(fmt::format("cannot clear '{}': {}", folder.string(), code.message()));
-  }
-  const auto case_file = folder / "case.toml";
-  if (!std::filesystem::exists(case_file) || read_file(case_file) != case_text)
-    write_file_atomically(case_file, case_text);
 }
 
 }  // namespace
@@ -66,6 +50,8 @@ Campaign::Campaign(std::filesystem::path directory, Engine engine, Measure measu
   const auto& store = options_.compute.store;
   lock_ = std::make_unique<DirectoryLock>(directory_);
   store_ = std::make_unique<RunStore>(store.empty() ? directory_ : store, StoreAccess::write);
+  if (!std::filesystem::equivalent(store_->directory(), directory_))
+    note_user(store_->directory(), directory_);
   plan_ = {.store = std::filesystem::absolute(store_->directory()),
            .retry_on = options_.failures.retry_on,
            .runs = {}};
@@ -76,6 +62,10 @@ Campaign::~Campaign() = default;
 bool Campaign::wants_retry(const RunOutcome& outcome) const {
   const auto& on = options_.failures.retry_on;
   return std::find(on.begin(), on.end(), outcome.measurement.outcome) != on.end();
+}
+
+Seeds read_seeds(const TomlTable& root) {
+  return root.choice_or("seeds", "own", {"own", "common"}) == "common" ? Seeds::common : Seeds::own;
 }
 
 std::uint64_t attempt_seed(std::uint64_t seed, int attempt) {
@@ -91,28 +81,38 @@ Campaign::Attempt Campaign::attempt_of(const WantedRuns& wanted, std::size_t run
   return {.input = std::move(input), .key = std::move(key)};
 }
 
-std::optional<RunOutcome> Campaign::recorded(const Attempt& attempt) const {
-  const auto outcome = store_->find(attempt.key);
-  if (!outcome) return std::nullopt;
+std::optional<RunOutcome> Campaign::standing(const Attempt& attempt,
+                                             const std::optional<RunOutcome>& recorded) const {
+  if (!recorded) return std::nullopt;
   const auto folder = store_->folder(attempt.key);
   if (read_file(folder / "case.toml") != attempt.input.text)
     throw StorageError(fmt::format(
         "'{}' belongs to another case than its name says; move that folder away", folder.string()));
   const double limit = options_.compute.time_limit_s;
-  const bool more_time = limit == 0.0 || limit > outcome->exceeded_limit_s;
-  if (outcome->exceeded_limit_s > 0.0 && more_time) return std::nullopt;
-  return outcome->measured_by.empty() || outcome->measured_by == measure_.name
-             ? outcome
-             : measured_anew(*outcome);
+  const bool more_time = limit == 0.0 || limit > recorded->exceeded_limit_s;
+  if (recorded->exceeded_limit_s > 0.0 && more_time) return std::nullopt;
+  const bool is_as_we_measure =
+      recorded->measured_by.empty() || recorded->measured_by == measure_.name;
+  // Why it could not be read may have passed.
+  const bool is_readable = recorded->measurement.outcome != Outcome::output_unreadable;
+  return is_as_we_measure && is_readable ? recorded : std::nullopt;
 }
 
-/// Other KPIs were wanted when it was measured, or it was measured in another way.
-std::optional<RunOutcome> Campaign::measured_anew(RunOutcome outcome) const {
-  const auto output = store_->folder(outcome.key) / "output";
-  if (!std::filesystem::is_directory(output)) return std::nullopt;  // it was cleaned away
-  outcome.measurement = measured(output);
+std::optional<RunOutcome> Campaign::settled_by(const Attempt& attempt,
+                                               const std::optional<RunOutcome>& recorded) const {
+  if (auto outcome = standing(attempt, recorded)) return outcome;
+  const auto output = store_->folder(attempt.key) / "output";
+  const bool is_finished = recorded && !recorded->measured_by.empty();
+  if (!is_finished || !std::filesystem::is_directory(output)) return std::nullopt;
+  return measured_anew(*recorded);
+}
+
+/// Other KPIs were wanted when it was measured, or it was measured in another way, or it could not
+/// be read; if it cannot be now, its record stays.
+RunOutcome Campaign::measured_anew(RunOutcome outcome) const {
+  outcome.measurement = measured(store_->folder(outcome.key) / "output");
   outcome.measured_by = measure_.name;
-  store_->record(outcome);
+  if (outcome.measurement.outcome != Outcome::output_unreadable) store_->record(outcome);
   return outcome;
 }
 
@@ -129,13 +129,20 @@ Measurement Campaign::measured(const std::filesystem::path& output) const {
   return m;
 }
 
+/// Of the limit, which is for all parts of a run together.
+double Campaign::remaining_time_s(const Resources& used) const {
+  constexpr double kLeast = 1e-3;  // 0 would be no limit
+  const double limit = options_.compute.time_limit_s;
+  return limit == 0.0 ? 0.0 : std::max(kLeast, limit - used.wall_time_s);
+}
+
 EngineExit Campaign::run_engine(const std::filesystem::path& folder,
                                 const std::function<bool()>& cancelled) const {
   auto used = earlier_parts(folder);
   for (int kills = 0;;) {
     auto exit = engine_.run({.directory = folder,
                              .ranks = options_.compute.ranks,
-                             .time_limit_s = options_.compute.time_limit_s,
+                             .time_limit_s = remaining_time_s(used),
                              .cancelled = cancelled});
     used += exit.resources;
     exit.resources = used;
@@ -148,26 +155,46 @@ EngineExit Campaign::run_engine(const std::filesystem::path& folder,
 
 RunOutcome Campaign::run_one(const Attempt& attempt, const std::atomic<bool>& given_up) const {
   const auto cancelled = [&] { return given_up || stop() == Stop::now; };
-  if (cancelled() || stop() != Stop::no) throw Interrupted();
+  const auto begins_no_more = [&] { return given_up || stop() != Stop::no; };
+  if (begins_no_more()) throw Interrupted();
   const auto folder = store_->folder(attempt.key);
-  const auto claim = RunClaim::take(folder, cancelled);
-  if (!claim) throw Interrupted();
-  if (auto done = recorded(attempt)) return *done;             // somebody else was faster
-  if (store_->find(attempt.key)) store_->forget(attempt.key);  // done again, with more time
-  prepare(folder, attempt.input.text);
-  const auto exit = run_engine(folder, cancelled);
+  const auto claim = RunClaim::take(folder, begins_no_more);
+  if (!claim || begins_no_more()) throw Interrupted();
+  const auto recorded = store_->find_in_folder(attempt.key);
+  if (auto done = settled_by(attempt, recorded)) return *done;  // somebody else was faster
+  if (recorded) store_->forget(attempt.key);                    // done again, with more time
+  EngineExit exit{.status = EngineStatus::finished};
+  if (const auto used = finished_before(folder)) {
+    exit.resources = *used;
+  } else {
+    prepare_folder(folder, attempt.input.text);
+    if (beginnings_) beginnings_->hand_to(folder, attempt.input.text);
+    exit = run_engine(folder, cancelled);
+    if (exit.status == EngineStatus::finished)
+      write_file_atomically(finished_file(folder), resources_text(exit.resources));
+  }
+  const auto outcome = outcome_of(attempt, exit);
+  store_->record(outcome);
+  std::error_code ignored;
+  std::filesystem::remove(finished_file(folder), ignored);
+  return outcome;
+}
+
+RunOutcome Campaign::outcome_of(const Attempt& attempt, const EngineExit& exit) const {
   RunOutcome outcome{.key = attempt.key,
                      .seed = attempt.input.seed,
                      .engine = engine_.name(),
                      .resources = exit.resources};
+  const double limit = options_.compute.time_limit_s;
   switch (exit.status) {
     case EngineStatus::finished:
-      outcome.measurement = measured(folder / "output");
+      outcome.measurement = measured(store_->folder(attempt.key) / "output");
       outcome.measured_by = measure_.name;
       break;
     case EngineStatus::timed_out:
-      outcome.exceeded_limit_s = options_.compute.time_limit_s;
-      outcome.measurement.fail(Outcome::time_limit, exit.message);
+      outcome.exceeded_limit_s = limit;
+      outcome.measurement.fail(Outcome::time_limit, fmt::format("it exceeded the time limit of {}",
+                                                                duration_text(limit)));
       break;
     case EngineStatus::killed:
       outcome.measurement.fail(Outcome::killed, exit.message);
@@ -175,7 +202,6 @@ RunOutcome Campaign::run_one(const Attempt& attempt, const std::atomic<bool>& gi
     default:
       outcome.measurement.fail(exit.failure, exit.message);
   }
-  store_->record(outcome);
   return outcome;
 }
 
@@ -183,7 +209,7 @@ RunOutcome Campaign::brought_about(const WantedRuns& wanted, std::size_t run,
                                    const std::atomic<bool>& given_up) const {
   for (int i = 0;; ++i) {
     const auto attempt = attempt_of(wanted, run, i);
-    auto outcome = recorded(attempt);
+    auto outcome = standing(attempt, store_->find(attempt.key));
     if (!outcome) outcome = run_one(attempt, given_up);
     if (i == options_.failures.retries || !wants_retry(*outcome)) return *outcome;
   }
@@ -199,7 +225,8 @@ void Campaign::run(const WantedRuns& wanted, const ProgressCallback& progress) c
     for (int k = 0; k <= options_.failures.retries; ++k) {
       const auto attempt = attempt_of(wanted, i, k);
       keys.push_back(attempt.key);
-      if (auto outcome = recorded(attempt)) known.emplace(attempt.key, std::move(*outcome));
+      if (auto outcome = standing(attempt, store_->find(attempt.key)))
+        known.emplace(attempt.key, std::move(*outcome));
     }
     const auto outcome = settled(keys, plan_.retry_on, [&](const std::string& key) {
       const auto it = known.find(key);
@@ -212,12 +239,21 @@ void Campaign::run(const WantedRuns& wanted, const ProgressCallback& progress) c
   }
   write_plan(directory_, plan_);
   tally.begin();
+  make_beginnings(wanted, open);
+  do_all(open.size(), [&](std::size_t i, const std::atomic<bool>& given_up) {
+    tally.finished(brought_about(wanted, open[i], given_up));
+  });
+}
+
+void Campaign::do_all(
+    std::size_t count,
+    const std::function<void(std::size_t, const std::atomic<bool>& given_up)>& task) const {
   std::atomic<bool> given_up{false};
   std::mutex mutex;
   std::exception_ptr reason;  // of giving up: an error that concerns every run
-  parallel_for(open.size(), workers_, [&](std::size_t i) {
+  parallel_for(count, workers_, [&](std::size_t i) {
     try {
-      tally.finished(brought_about(wanted, open[i], given_up));
+      task(i, given_up);
     } catch (const Interrupted&) {
       if (!given_up) throw;
     } catch (...) {
@@ -227,6 +263,20 @@ void Campaign::run(const WantedRuns& wanted, const ProgressCallback& progress) c
     }
   });
   if (reason) std::rethrow_exception(reason);
+}
+
+void Campaign::make_beginnings(const WantedRuns& wanted,
+                               const std::vector<std::size_t>& open) const {
+  if (options_.compute.beginnings == Beginnings::own) return;
+  beginnings_ = std::make_unique<SharedBeginnings>(
+      store_->directory() / "beginnings", engine_, open.size(),
+      [&](std::size_t i) { return wanted.make_input(open[i], 0).text; });
+  for (const auto& [first, last] : beginnings_->generations())
+    do_all(last - first, [&, first = first](std::size_t i, const std::atomic<bool>& given_up) {
+      if (stop() != Stop::no) throw Interrupted();
+      beginnings_->make(first + i, options_.compute,
+                        [&] { return given_up || stop() == Stop::now; });
+    });
 }
 
 std::vector<RunOutcome> Campaign::outcomes(const WantedRuns& wanted,

@@ -68,7 +68,8 @@ CampaignFile read_campaign(const std::filesystem::path& directory) {
                     .scenario = read_scenario_key(root, directory),
                     .seed = static_cast<std::uint64_t>(root.integer_or("seed", 1, kNonNegative)),
                     .repetitions = static_cast<int>(
-                        root.integer_or("repetitions", 1, {.lower = 1, .upper = 1e6}))};
+                        root.integer_or("repetitions", 1, {.lower = 1, .upper = 1e6})),
+                    .seeds = read_seeds(root)};
   auto others = read_ties_and_fixed(root, file.scenario.parameter_names());
   file.points = read_points(root, directory, file.scenario, others);
   file.fixed = std::move(others.fixed);
@@ -89,7 +90,8 @@ RunInput CampaignFile::make_input(std::size_t run, int attempt) const {
   ParameterValues values = fixed;
   for (const auto& column : points.columns())
     values[column.name] = std::get<std::vector<double>>(column.values)[point];
-  const auto of_point = derive_seed(derive_seed(seed, kCampaignStream), point);
+  const auto of_campaign = derive_seed(seed, kCampaignStream);
+  const auto of_point = seeds == Seeds::common ? of_campaign : derive_seed(of_campaign, point);
   try {
     return scenario.make_input(
         ParameterSpace({}, std::move(values), ties).complete(Vector(0)),
@@ -133,6 +135,11 @@ std::size_t write_campaign_table(const std::filesystem::path& file, const Campai
   for (std::size_t run = 0; run < std::min(campaign.runs(), plan.runs.size()); ++run) {
     auto outcome = settled(plan.runs[run], plan.retry_on, find);
     if (!outcome) continue;
+    if (run_key(outcome->engine, campaign.make_input(run).text) != plan.runs[run].front())
+      throw InputError(fmt::format(
+          "campaign.toml or its points changed since the campaign was run: run {} is another one "
+          "now; call repose campaign run, which does only what is new",
+          run + 1));
     if (outcome->failed()) outcome->measurement.kpis = campaign.failures.penalty;
     point.push_back(static_cast<std::int64_t>(campaign.point_of(run)) + 1);
     repetition.push_back(campaign.repetition_of(run) + 1);

@@ -15,18 +15,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The plan, or where there is none yet every run that the directory holds.
+/// The plan, or where there is none yet every run that the directory holds, unless they are
+/// others'.
 RunPlan plan_of(const fs::path& directory) {
   if (auto plan = read_plan(directory)) return *plan;
   RunPlan plan{.store = fs::absolute(directory), .retry_on = {}, .runs = {}};
+  if (wanted_by_users(directory)) return plan;
   for (const auto& key : RunStore(directory, StoreAccess::read).keys()) plan.runs.push_back({key});
   return plan;
-}
-
-std::set<std::string> keys_of(const RunPlan& plan) {
-  std::set<std::string> keys;
-  for (const auto& attempts : plan.runs) keys.insert(attempts.begin(), attempts.end());
-  return keys;
 }
 
 bool has_own_store(const fs::path& directory, const RunPlan& plan) {
@@ -91,13 +87,20 @@ std::vector<std::string> retry_runs(const fs::path& directory,
   const DirectoryLock lock(directory);
   const RunStore store(plan.store, StoreAccess::write);
   std::vector<std::string> forgotten;
-  for (const auto& key : keys_of(plan)) {
-    const auto outcome = store.find(key);
-    if (!outcome ||
-        std::find(outcomes.begin(), outcomes.end(), outcome->measurement.outcome) == outcomes.end())
-      continue;
-    store.forget(key);
-    forgotten.push_back(key);
+  const auto is_meant = [&](const RunOutcome& outcome) {
+    return std::find(outcomes.begin(), outcomes.end(), outcome.measurement.outcome) !=
+           outcomes.end();
+  };
+  const auto find = [&](const std::string& key) { return store.find(key); };
+  for (const auto& attempts : plan.runs) {
+    const auto outcome = settled(attempts, plan.retry_on, find);
+    if (!outcome || !is_meant(*outcome)) continue;
+    for (const auto& key : attempts) {
+      if (!store.find(key)) continue;
+      store.forget(key);
+      forgotten.push_back(key);
+      if (key == outcome->key) break;
+    }
   }
   return forgotten;
 }
@@ -113,26 +116,34 @@ Cleaned clean_campaign(const fs::path& directory, const CleanOptions& options) {
   const DirectoryLock lock(directory);
   const RunStore store(plan.store, StoreAccess::write);
   const auto wanted = keys_of(plan);
+  const auto by_others =
+      own ? wanted_by_users(plan.store).value_or(std::set<std::string>{}) : std::set<std::string>{};
+  const auto is_ours = [&](const std::string& key) {
+    return wanted.count(key) > 0 || (own && by_others.count(key) == 0);
+  };
   Cleaned cleaned;
-  for (const auto& key : store.unfinished()) {
-    const auto folder = store.folder(key);
-    if ((!own && wanted.count(key) == 0) || RunClaim::is_taken(folder)) continue;
-    cleaned.bytes += removed(folder);
-    ++cleaned.stopped;
-  }
+  const auto remove_unless_taken = [&](const fs::path& folder, const fs::path& part) {
+    const auto claim = RunClaim::try_take(folder);
+    if (claim) cleaned.bytes += removed(part);
+    return claim.has_value();
+  };
+  for (const auto& key : store.unfinished())
+    if (is_ours(key) && remove_unless_taken(store.folder(key), store.folder(key)))
+      ++cleaned.stopped;
   for (const auto& key : store.keys()) {
     const auto folder = store.folder(key);
     const bool is_wanted = wanted.count(key) > 0;
-    if (!is_wanted && options.unplanned == CleanUnplanned::remove) {
+    if (!is_wanted && is_ours(key) && options.unplanned == CleanUnplanned::remove) {
       store.forget(key);
-      cleaned.bytes += removed(folder);
-      ++cleaned.unplanned;
+      if (remove_unless_taken(folder, folder)) ++cleaned.unplanned;
     } else if (is_wanted && options.outputs == CleanOutputs::remove &&
-               fs::exists(folder / "output")) {
-      cleaned.bytes += removed(folder / "output");
+               fs::exists(folder / "output") && remove_unless_taken(folder, folder / "output")) {
       ++cleaned.outputs;
     }
   }
+  if (own && fs::is_directory(plan.store / "beginnings"))
+    for (const auto& entry : fs::directory_iterator(plan.store / "beginnings"))
+      if (remove_unless_taken(entry.path(), entry.path())) ++cleaned.beginnings;
   store.compact_index();
   return cleaned;
 }

@@ -47,6 +47,7 @@ ComputePlan read_compute_plan(const TomlTable& root, const std::filesystem::path
   plan.memory_gb = t->number_or("memory_gb", 0.0, kNonNegative);
   plan.memory_per_run_gb = t->number_or("memory_per_run_gb", 0.0, kNonNegative);
   plan.time_limit_s = t->number_or("time_limit_s", plan.time_limit_s, kNonNegative);
+  if (!t->flag_or("share_beginnings", true)) plan.beginnings = Beginnings::own;
   if (t->has("store")) {
     const auto store = t->text("store");
     if (store.empty()) t->fail("store", "it is empty; name a folder, or leave it out");

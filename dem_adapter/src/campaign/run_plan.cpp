@@ -7,6 +7,7 @@
 
 #include "repose/base/error.hpp"
 #include "repose/base/file.hpp"
+#include "repose/base/text.hpp"
 
 namespace repose::dem_adapter {
 namespace {
@@ -48,6 +49,32 @@ void write_plan(const std::filesystem::path& directory, const RunPlan& plan) {
                               {"runs", plan.runs}};
   for (const Outcome outcome : plan.retry_on) json["retry_on"].push_back(to_string(outcome));
   write_file_atomically(plan_file(directory), json.dump() + "\n");
+}
+
+void note_user(const std::filesystem::path& store, const std::filesystem::path& directory) {
+  const auto user = std::filesystem::canonical(directory).string();
+  const auto note = store / "users" / fmt::format("{:016x}", content_hash(user));
+  if (std::filesystem::exists(note)) return;
+  make_directory(note.parent_path());
+  write_file_atomically(note, user);
+}
+
+std::optional<std::set<std::string>> wanted_by_users(const std::filesystem::path& store) {
+  if (!std::filesystem::is_directory(store / "users")) return std::nullopt;
+  std::optional<std::set<std::string>> keys;
+  for (const auto& note : std::filesystem::directory_iterator(store / "users")) {
+    const std::filesystem::path user = read_file(note.path());
+    if (!std::filesystem::is_directory(user)) continue;
+    if (!keys) keys.emplace();
+    if (const auto plan = read_plan(user)) keys->merge(keys_of(*plan));
+  }
+  return keys;
+}
+
+std::set<std::string> keys_of(const RunPlan& plan) {
+  std::set<std::string> keys;
+  for (const auto& attempts : plan.runs) keys.insert(attempts.begin(), attempts.end());
+  return keys;
 }
 
 std::optional<RunOutcome> settled(

@@ -66,19 +66,13 @@ std::string run_key(const std::string& engine, const std::string& case_text) {
 
 RunStore::RunStore(fs::path directory, StoreAccess access)
     : directory_(std::move(directory)), access_(access) {
-  const auto file = index_file(directory_);
-  if (access_ == StoreAccess::write) {
+  if (access_ == StoreAccess::write)
     make_directory(directory_ / "runs");
-    index_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
-    if (index_ < 0) storage_error(file, "write", errno);
-  } else {
-    if (!fs::is_directory(directory_ / "runs"))
-      throw StorageError(fmt::format(
-          "'{}' holds no runs; name the folder of a campaign or calibration", directory_.string()));
-    index_ = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
-    if (index_ < 0 && errno != ENOENT) storage_error(file, "read", errno);
-  }
+  else if (!fs::is_directory(directory_ / "runs"))
+    throw StorageError(fmt::format(
+        "'{}' holds no runs; name the folder of a campaign or calibration", directory_.string()));
   try {
+    open_index();
     read_index();
     look_into_folders();
   } catch (...) {
@@ -91,7 +85,26 @@ RunStore::~RunStore() {
   if (index_ >= 0) ::close(index_);
 }
 
-void RunStore::read_index() {
+void RunStore::open_index() const {
+  const auto file = index_file(directory_);
+  const bool writes = access_ == StoreAccess::write;
+  const int index = ::open(
+      file.c_str(), writes ? O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC : O_RDONLY | O_CLOEXEC, 0644);
+  if (index < 0 && (writes || errno != ENOENT))
+    storage_error(file, writes ? "write" : "read", errno);
+  if (index_ >= 0) ::close(index_);
+  index_ = index;
+}
+
+/// Not if another process has written a shorter one in its place.
+bool RunStore::is_current_index() const {
+  struct stat ours {
+  }, there{};
+  return ::fstat(index_, &ours) == 0 && ::stat(index_file(directory_).c_str(), &there) == 0 &&
+         ours.st_ino == there.st_ino && ours.st_dev == there.st_dev;
+}
+
+void RunStore::read_index() const {
   if (index_ < 0) return;
   std::ifstream in(fmt::format("/proc/self/fd/{}", index_), std::ios::binary);
   std::int64_t offset = 0;
@@ -107,7 +120,8 @@ void RunStore::read_index() {
 }
 
 /// Takes in runs that the index lacks, whose process died before it had written there, or that
-/// somebody copied here, and leaves out those whose folder is gone.
+/// somebody copied here, and leaves out those whose folder is gone. What cannot be read is told
+/// when that run is wanted.
 void RunStore::look_into_folders() {
   std::map<std::string, Place> there;
   for (const auto& entry : fs::directory_iterator(directory_ / "runs")) {
@@ -119,8 +133,16 @@ void RunStore::look_into_folders() {
   }
   places_ = std::move(there);
   if (access_ == StoreAccess::read) return;
+  std::vector<std::string> lacking;
   for (const auto& [key, place] : places_)
-    if (place.offset < 0) append(key, outcome_line(*read_folder(key)));
+    if (place.offset < 0) lacking.push_back(key);
+  for (const auto& key : lacking) {
+    try {
+      if (const auto outcome = read_folder(key)) append(key, outcome_line(*outcome));
+    } catch (const StorageError&) {
+      places_.erase(key);
+    }
+  }
 }
 
 std::optional<RunOutcome> RunStore::read_folder(const std::string& key) const {
@@ -162,10 +184,25 @@ std::optional<RunOutcome> RunStore::find(const std::string& key) const {
   return outcome;
 }
 
+std::optional<RunOutcome> RunStore::find_in_folder(const std::string& key) const {
+  const std::lock_guard lock(mutex_);
+  places_.erase(key);
+  auto outcome = read_folder(key);
+  if (outcome) places_.try_emplace(key);
+  return outcome;
+}
+
 /// One write under a lock, on a line of its own whatever a process that died left behind.
 void RunStore::append(const std::string& key, const std::string& line) const {
   REPOSE_ASSERT(access_ == StoreAccess::write, "the store was opened for reading");
-  const ShortLock lock(index_);
+  auto lock = std::make_unique<ShortLock>(index_);
+  while (!is_current_index()) {  // it was compacted, or somebody deleted it
+    lock.reset();
+    open_index();
+    places_.clear();
+    read_index();
+    lock = std::make_unique<ShortLock>(index_);
+  }
   struct stat status {};
   if (::fstat(index_, &status) != 0) storage_error(index_file(directory_), "read", errno);
   char last = '\n';
@@ -219,11 +256,12 @@ std::vector<std::string> RunStore::unfinished() const {
   return result;
 }
 
-/// Another process may go on writing to the old index: what it records stands in folders, too.
+/// Another process that wants to write waits, and then sees that the index is another file.
 void RunStore::compact_index() const {
+  const ShortLock lock(index_);
   std::string text;
   for (const auto& key : keys())
-    if (const auto outcome = find(key)) text += outcome_line(*outcome) + '\n';
+    if (const auto outcome = find_in_folder(key)) text += outcome_line(*outcome) + '\n';
   write_file_atomically(index_file(directory_), text);
 }
 

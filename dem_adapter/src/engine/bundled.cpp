@@ -67,6 +67,10 @@ EngineExit BundledEngine::run(const EngineJob& job) const {
     command.words.emplace_back("--ranks");
     command.words.push_back(std::to_string(job.ranks));
   }
+  if (!job.until.empty()) {
+    command.words.emplace_back("--until");
+    command.words.push_back(job.until);
+  }
   const auto said_before = size_of(command.log);
   const auto end = executor_.run(command);
   auto exit = exit_of(end, command, said_before);

@@ -246,6 +246,11 @@ Drawdown Drawdown::read(const TomlTable& table) {
   rig.solid_fraction =
       table.number_or("solid_fraction", rig.solid_fraction, {.lower = 0.05, .upper = 0.36});
   rig.settle_s = table.number_or("settle_s", rig.settle_s, kPositive);
+  if (const auto all = table.table_if_present("settle_coefficients"))
+    rig.settle_coefficients = scene::StageCoefficients{
+        .restitution = all->number("restitution", {.lower = 0.0, .upper = 1.0, .open_lower = true}),
+        .mu_s = all->number("mu_s", kNonNegative),
+        .mu_r = all->number("mu_r", kNonNegative)};
   rig.discharge_s = table.number_or("discharge_s", rig.discharge_s, kPositive);
   if (table.has("layers")) rig.layers = table.texts("layers");
   if (const auto materials = table.tables("material"); !materials.empty()) {
@@ -340,7 +345,7 @@ scene::Case Drawdown::make_case(const ParameterValues& values, std::uint64_t see
                        .solid_fraction = rig.solid_fraction,
                        .layers = layers_of(rig)};
   c.stages = {
-      {.name = "settle", .opens = {}, .duration_s = rig.settle_s, .at_rest = {}, .flow_ends = {}},
+      {.name = "settle", .duration_s = rig.settle_s, .coefficients = rig.settle_coefficients},
       {.name = "discharge",
        .opens = {"gate"},
        .duration_s = rig.discharge_s,

@@ -18,7 +18,7 @@
 namespace repose::dem {
 namespace {
 
-constexpr std::int64_t kFormat = 2;  // of the file
+constexpr std::int64_t kFormat = 3;  // of the file
 constexpr const char* kFormatName = "repose_checkpoint";
 constexpr const char* kFreeKey = "checkpoint_wall_time_s = ";
 
@@ -144,9 +144,14 @@ Checkpoint read_checkpoint(const std::filesystem::path& file) {
   return checkpoint;
 }
 
-void require_same_case(const Checkpoint& checkpoint, const scene::Case& scene) {
-  const std::vector<Line> before = lines_of(checkpoint.case_text);
-  const std::vector<Line> now = lines_of(scene::case_text(scene));
+void require_same_beginning(const Checkpoint& checkpoint, const scene::Case& scene) {
+  const std::size_t begun = checkpoint.table("/stages").rows();
+  const auto beginning_lines = [&](const scene::Case& of) {
+    return lines_of(scene::case_text(scene::beginning_of(of, begun)));
+  };
+  const std::vector<Line> before =
+      beginning_lines(scene::parse_case(checkpoint.case_text, "the case of the checkpoint"));
+  const std::vector<Line> now = beginning_lines(scene);
   for (std::size_t l = 0; l < std::max(before.size(), now.size()); ++l) {
     const Line* const was = l < before.size() ? &before[l] : nullptr;
     const Line* const is = l < now.size() ? &now[l] : nullptr;

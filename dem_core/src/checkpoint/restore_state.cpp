@@ -197,7 +197,7 @@ void Simulation::State::restore_bodies_and_lists(const Checkpoint& saved) {
   follow_order(spheres, clumps);
   spheres_present = static_cast<std::int64_t>(spheres.size());
   wall_contacts.all = wall_contacts_of(saved.table("/wall_contacts"), spheres);
-  restore_walls(saved);
+  restore_stages(saved);
   least_radius = saved.number("least_radius_m");
   skin = Skin(least_radius, options.skin_radii);
   if (!domain.is_alone()) domain.share_out(box, population());
@@ -206,8 +206,8 @@ void Simulation::State::restore_bodies_and_lists(const Checkpoint& saved) {
                  lists.pairs, pool);
 }
 
-/// Walls go through the stages again.
-void Simulation::State::restore_walls(const Checkpoint& saved) {
+/// Walls go through the stages again; the laws are those of the stage under way.
+void Simulation::State::restore_stages(const Checkpoint& saved) {
   const table::Table& stages = saved.table("/stages");
   const auto& names = stages.texts("name");
   const auto starts = stages.numbers("start");
@@ -217,6 +217,12 @@ void Simulation::State::restore_walls(const Checkpoint& saved) {
   if (steps > 0) walls.advance(time_s(), dt);
   for (const auto& [name, start] : stage_start_s)
     if (start >= time_s()) walls.begin_stage(name, start);
+  const scene::Stage* under_way = nullptr;
+  for (const scene::Stage& stage : scene.stages)
+    if (stage_start_s.contains(stage.name) &&
+        (under_way == nullptr || stage_start_s[stage.name] >= stage_start_s[under_way->name]))
+      under_way = &stage;
+  if (under_way != nullptr) laws = LawTable(scene, under_way);
 
   const table::Table& then = saved.table("/walls");
   if (then.rows() != walls.size()) inconsistent("number of walls");

@@ -12,8 +12,9 @@ namespace repose::dem {
 
 class LawTable {
  public:
-  /// Laws of all pairs of the case; a pair that the case does not have stays unknown.
-  explicit LawTable(const scene::Case& scene);
+  /// Laws of all pairs of the case while `stage` lasts (before the first of a simulation: the
+  /// first); a pair that the case does not have stays unknown.
+  LawTable(const scene::Case& scene, const scene::Stage* stage);
 
   /// The variant of the law, one for all pairs.
   const scene::ContactModel& model() const { return model_; }

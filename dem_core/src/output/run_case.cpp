@@ -63,7 +63,7 @@ std::optional<Checkpoint> checkpoint_of(const scene::Case& scene,
   if (!is_there) return std::nullopt;
   Checkpoint checkpoint = read_checkpoint(file);
   try {
-    require_same_case(checkpoint, scene);
+    require_same_beginning(checkpoint, scene);
   } catch (const InputError& error) {
     throw InputError(file.string() + ": " + error.what());
   }
@@ -76,6 +76,17 @@ std::string builder_of(const Checkpoint& checkpoint) {
   const auto* const name =
       found == checkpoint.attributes.end() ? nullptr : std::get_if<std::string>(&found->second);
   return name != nullptr ? *name : "of an unnamed build";
+}
+
+/// All stages, or those up to and with the one of this name.
+std::size_t stages_until(const scene::Case& scene, const std::string& name) {
+  if (name.empty()) return scene.stages.size();
+  std::vector<std::string> names;
+  for (const scene::Stage& stage : scene.stages) {
+    names.push_back(stage.name);
+    if (stage.name == name) return names.size();
+  }
+  throw InputError("until: stage \"" + name + "\" is not in the case; it has " + listed(names));
 }
 
 /// A run under way, on all ranks; root alone writes.
@@ -102,6 +113,7 @@ class Runner {
          const std::optional<Checkpoint>& saved)
       : scene_(scene),
         control_(control),
+        stages_to_run_(stages_until(scene, control.until)),
         checkpoint_file_(scene::checkpoint_file(run_dir)),
         now_(saved ? run_state_of(*saved) : RunState{}),
         goes_on_(saved.has_value()),
@@ -135,7 +147,8 @@ class Runner {
 
   void run_all_stages() {
     prepare();
-    for (std::size_t s = now_.stage; s < scene_.stages.size(); ++s) run_stage(s);
+    for (std::size_t s = now_.stage; s < stages_to_run_; ++s) run_stage(s);
+    if (!control_.until.empty()) return wait_for_more();
     require_all_rain();
     summarize();
     const double cpu_s = processor_s();
@@ -149,6 +162,13 @@ class Runner {
         summary_.bodies.removed, summary_.bodies.alive, summary_.state_hash));
     if (now_.deepest.overlap.ratio() > kSoftOverlap) warn_of_soft_contact();
     ranks_.on_root([&] { writer_->finish(summary_); });
+  }
+
+  void wait_for_more() {
+    save();
+    summarize();
+    log(fmt::format("waits at {:.6g} s, the end of stage \"{}\" or later; state {}", sim_->time_s(),
+                    control_.until, summary_.state_hash));
   }
 
   /// Of all ranks.
@@ -201,8 +221,8 @@ class Runner {
   /// Begins a stage, or goes on with the one in which the checkpoint was written.
   StageWatch begin(std::size_t number) {
     const scene::Stage& stage = scene_.stages[number];
-    if (goes_on_ && number == now_.stage) return {scene_, stage, now_.watch};
-    now_.stage = number;
+    if (now_.is_begun) return {scene_, stage, now_.watch};
+    now_.is_begun = true;
     now_.latest_end_s = sim_->time_s() + longest_time_from(number);
     sim_->begin_stage(stage.name);
     now_.last_step = sim_->steps() + steps_of(stage.duration_s, dt_);
@@ -230,6 +250,8 @@ class Runner {
       }
     }
     now_.ends.push_back({stage.name, sim_->time_s(), reason});
+    now_.stage = number + 1;
+    now_.is_begun = false;
     log(fmt::format(
         "stage \"{}\" ended at {:.6g} s: {}; {} bodies, kinetic energy {:.4g} J, {} "
         "contacts, largest overlap so far {:.3g} of the radius",
@@ -352,6 +374,7 @@ class Runner {
 
   const scene::Case& scene_;
   const RunControl& control_;
+  std::size_t stages_to_run_;
   std::filesystem::path checkpoint_file_;
   Stopwatch watch_;
   RunState now_;
@@ -413,6 +436,9 @@ scene::RunSummary run_case(const scene::Case& scene, const std::filesystem::path
 scene::RunSummary run_case_into_file(const scene::Case& scene, const std::filesystem::path& file,
                                      const RunControl& control) {
   scene::validate(scene);
+  if (!control.until.empty())
+    throw InputError("a run that waits after stage \"" + control.until +
+                     "\" needs a folder for its output, not the file '" + file.string() + "'");
   if (std::filesystem::is_directory(file))
     throw StorageError("'" + file.string() + "' is a folder; give another name for the result");
   std::filesystem::path parts = file;

@@ -60,6 +60,7 @@ void add_to(Checkpoint& checkpoint, const RunState& state) {
   checkpoint.tables.emplace_back("/vtp_poses", poses_table(state.output.poses));
   table::Attributes& a = checkpoint.attributes;
   a["stage"] = static_cast<std::int64_t>(state.stage);
+  a["stage_begun"] = static_cast<std::int64_t>(state.is_begun ? 1 : 0);
   a["stage_last_step"] = state.last_step;
   a["stage_watch"] = std::vector<double>{state.watch.moving_until_s, state.watch.initial_mass_kg,
                                          state.watch.start_s};
@@ -87,6 +88,7 @@ void add_to(Checkpoint& checkpoint, const RunState& state) {
 RunState run_state_of(const Checkpoint& checkpoint) {
   RunState state;
   state.stage = static_cast<std::size_t>(checkpoint.integer("stage"));
+  state.is_begun = checkpoint.integer("stage_begun") != 0;
   state.last_step = checkpoint.integer("stage_last_step");
   const auto watch = checkpoint.numbers("stage_watch", 3);
   state.watch.moving_until_s = watch[0];

@@ -10,6 +10,7 @@ namespace repose::dem {
 
 struct RunState {
   std::size_t stage = 0;       ///< that is under way, in Case::stages
+  bool is_begun = false;       ///< that stage; if not, the one before has just ended
   std::int64_t last_step = 0;  ///< of this stage, at most
   StageWatch::Progress watch;
   scene::SeriesRow last_row;    ///< the last that was written

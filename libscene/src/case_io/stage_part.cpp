@@ -53,6 +53,11 @@ Stage read_stage(const TomlTable& table) {
     criterion.window_s = ends->number_or("window_s", criterion.window_s, kPositive);
     stage.flow_ends = criterion;
   }
+  if (const auto all = table.table_if_present("coefficients"))
+    stage.coefficients = StageCoefficients{
+        .restitution = all->number("restitution", {.lower = 0.0, .upper = 1.0, .open_lower = true}),
+        .mu_s = all->number("mu_s", kNonNegative),
+        .mu_r = all->number("mu_r", kNonNegative)};
   return stage;
 }
 
@@ -100,6 +105,10 @@ void write_stage(CaseText& out, const Stage& stage) {
     out.raw("flow_ends", "{region = " + toml_quoted(stage.flow_ends->region) +
                              ", fraction = " + number_text(stage.flow_ends->fraction) +
                              ", window_s = " + number_text(stage.flow_ends->window_s) + "}");
+  if (const auto& all = stage.coefficients)
+    out.raw("coefficients", "{restitution = " + number_text(all->restitution) +
+                                ", mu_s = " + number_text(all->mu_s) +
+                                ", mu_r = " + number_text(all->mu_r) + "}");
 }
 
 void write_output(CaseText& out, const Output& output) {

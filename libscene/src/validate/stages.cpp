@@ -49,6 +49,13 @@ void check_flow_ends(const Case& scene, const std::string& what, const FlowEnds&
   require_positive(what + "flow_ends.window_s", ends.window_s);
 }
 
+void check_coefficients(const std::string& what, const StageCoefficients& all) {
+  if (!(all.restitution > 0.0 && all.restitution <= 1.0))
+    refuse(what + "restitution", all.restitution, "must be in (0, 1]");
+  require_non_negative(what + "mu_s", all.mu_s);
+  require_non_negative(what + "mu_r", all.mu_r);
+}
+
 }  // namespace
 
 void check_regions(const Case& scene) {
@@ -89,6 +96,7 @@ void check_stages(const Case& scene) {
                          "take at_rest out");
     }
     if (stage.flow_ends) check_flow_ends(scene, what, *stage.flow_ends);
+    if (stage.coefficients) check_coefficients(what + "coefficients.", *stage.coefficients);
   }
 }
 

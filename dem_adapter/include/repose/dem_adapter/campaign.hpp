@@ -53,6 +53,12 @@ struct WantedRuns {
   /// after the first, 0, of a run that failed want another attempt_seed().
   std::function<RunInput(std::size_t run, int attempt)> make_input;
 };
+/// Whether each point has seeds of its own, or repetition r the same seed at every point: the same
+/// packing, where parameters do not change it.
+enum class Seeds { own, common };
+/// Reads `seeds = "own" | "common"`, own if absent. Throws InputError.
+Seeds read_seeds(const TomlTable& root);
+
 /// The seed of an attempt at a run; that of attempt 0 is `seed` itself.
 std::uint64_t attempt_seed(std::uint64_t seed, int attempt);
 
@@ -89,16 +95,27 @@ class Campaign {
     std::string key;
   };
   Attempt attempt_of(const WantedRuns& wanted, std::size_t run, int attempt) const;
-  /// A recorded outcome that still stands.
-  std::optional<RunOutcome> recorded(const Attempt& attempt) const;
-  std::optional<RunOutcome> measured_anew(RunOutcome outcome) const;
+  /// What is recorded if it still stands, measured as we do.
+  std::optional<RunOutcome> standing(const Attempt& attempt,
+                                     const std::optional<RunOutcome>& recorded) const;
+  /// The same, but measured anew if only that is needed.
+  std::optional<RunOutcome> settled_by(const Attempt& attempt,
+                                       const std::optional<RunOutcome>& recorded) const;
+  RunOutcome measured_anew(RunOutcome outcome) const;
   RunOutcome brought_about(const WantedRuns& wanted, std::size_t run,
                            const std::atomic<bool>& given_up) const;
   RunOutcome run_one(const Attempt& attempt, const std::atomic<bool>& given_up) const;
   EngineExit run_engine(const std::filesystem::path& folder,
                         const std::function<bool()>& cancelled) const;
+  RunOutcome outcome_of(const Attempt& attempt, const EngineExit& exit) const;
   Measurement measured(const std::filesystem::path& output) const;
+  double remaining_time_s(const Resources& used) const;
   bool wants_retry(const RunOutcome& outcome) const;
+  /// On all workers; what a task throws ends all, but an Interrupted that follows from that.
+  void do_all(
+      std::size_t count,
+      const std::function<void(std::size_t, const std::atomic<bool>& given_up)>& task) const;
+  void make_beginnings(const WantedRuns& wanted, const std::vector<std::size_t>& open) const;
   Stop stop() const { return options_.stop != nullptr ? options_.stop->load() : Stop::no; }
 
   std::filesystem::path directory_;
@@ -109,6 +126,7 @@ class Campaign {
   std::unique_ptr<class DirectoryLock> lock_;
   std::unique_ptr<RunStore> store_;
   mutable RunPlan plan_;
+  mutable std::unique_ptr<class SharedBeginnings> beginnings_;
 };
 
 /// Mean wall time of the finished runs that a campaign's directory holds, s; 0 if there are none.

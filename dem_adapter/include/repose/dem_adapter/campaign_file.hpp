@@ -21,6 +21,7 @@ struct CampaignFile {
   Scenario scenario;
   std::uint64_t seed = 1;
   int repetitions = 1;  ///< runs at each point, with different seeds
+  Seeds seeds = Seeds::own;
   table::Table points;  ///< one row a point, one column a parameter, natural units; none: one point
   ParameterValues fixed;
   std::vector<Tie> ties;

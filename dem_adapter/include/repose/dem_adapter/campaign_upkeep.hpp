@@ -48,11 +48,13 @@ struct CleanOptions {
 };
 struct Cleaned {
   std::size_t stopped = 0, outputs = 0, unplanned = 0;  ///< removed
+  std::size_t beginnings = 0;                           ///< states that runs shared, removed
   std::uintmax_t bytes = 0;
 };
-/// Removes folders of runs that were stopped, with their checkpoints, and what the options say, and
-/// rewrites the index. Throws StorageError while somebody works in the directory, InputError for
-/// unplanned runs of a store that other studies may share.
+/// Removes folders of runs that were stopped, with their checkpoints, states that runs shared, and
+/// what the options say, and rewrites the index. Runs that the plans of other studies want, which
+/// use the directory as their store, stay. Throws StorageError while somebody works in the
+/// directory, InputError for unplanned runs of a store that is elsewhere.
 Cleaned clean_campaign(const std::filesystem::path& directory, const CleanOptions& options = {});
 
 }  // namespace repose::dem_adapter

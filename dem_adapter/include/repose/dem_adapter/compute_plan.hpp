@@ -11,13 +11,17 @@
 
 namespace repose::dem_adapter {
 
+/// Whether runs with the same first stages share their simulation; their results do not change.
+enum class Beginnings { shared, own };
+
 struct ComputePlan {
-  unsigned workers = 0;              ///< runs at once; 0: as many as cores and memory hold
-  int cores = 0;                     ///< for all runs together; 0: all of the machine
-  int ranks = 1;                     ///< processes of one run
-  double memory_gb = 0.0;            ///< for all runs together; 0: not looked at
-  double memory_per_run_gb = 0.0;    ///< what one run needs
-  double time_limit_s = 1800.0;      ///< for one run; 0: none
+  unsigned workers = 0;            ///< runs at once; 0: as many as cores and memory hold
+  int cores = 0;                   ///< for all runs together; 0: all of the machine
+  int ranks = 1;                   ///< processes of one run
+  double memory_gb = 0.0;          ///< for all runs together; 0: not looked at
+  double memory_per_run_gb = 0.0;  ///< what one run needs
+  double time_limit_s = 1800.0;    ///< for one run; 0: none
+  Beginnings beginnings = Beginnings::shared;
   std::filesystem::path store = {};  ///< where finished runs are; empty: in the study's own folder
 };
 

@@ -44,7 +44,7 @@ struct Dataset {
 
 /// Seed of one run. Verification and baseline runs depend on the repetition alone, so that two
 /// points are compared with the same packings; no other phase uses those seeds.
-std::uint64_t run_seed(std::uint64_t study_seed, Phase phase, int batch, std::size_t index,
+std::uint64_t run_seed(const Study& study, Phase phase, int batch, std::size_t index,
                        int repetition);
 
 /// Adds points of one phase and the runs at them. Order and seeds do not depend on the number of

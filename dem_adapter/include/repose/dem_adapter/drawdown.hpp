@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,9 @@ struct Drawdown {
   double solid_fraction = 0.33;   ///< of the column before it falls
   double shear_modulus_pa = 2e6;  ///< of all particles; walls are 100 times stiffer
   double settle_s = 0.30;
+  /// Of all pairs while the filling settles, in place of their own; then runs that differ only in
+  /// coefficients share their filling.
+  std::optional<scene::StageCoefficients> settle_coefficients{};
   double discharge_s = 1.8;  ///< at most; a discharge that has ended ends the run
   double time_step_rayleigh_fraction = 0.25;
   /// By name: mu_s_AB, mu_r_AB, c_r_AB for A, B among the symbols and g, the boxes. A pair of two

@@ -25,6 +25,9 @@ struct EngineJob {
   double time_limit_s = 0.0;        ///< 0: none
   std::function<bool()> cancelled;  ///< asked often; true when the run is to be given up
   EngineStreams streams = EngineStreams::to_log;
+  /// A stage at whose end the engine is to wait, leaving a scene::checkpoint_file(); empty: none.
+  /// Only for engines that wait after stages.
+  std::string until{};
 };
 
 /// `killed`: by somebody else, which says nothing about the run.
@@ -43,6 +46,16 @@ concept EngineLike = requires(const E& e, const EngineJob& job) {
   { e.run(job) } -> std::convertible_to<EngineExit>;
 };
 
+/// An engine with `static constexpr bool kWaitsAfterStages = true` follows EngineJob::until, and
+/// goes on from such a checkpoint also in the folder of a case of which only later stages differ.
+template <class E>
+constexpr bool waits_after_stages() {
+  if constexpr (requires { E::kWaitsAfterStages; })
+    return E::kWaitsAfterStages;
+  else
+    return false;
+}
+
 /// Any engine as a value. run() may be called from several threads at once.
 class Engine {
  public:
@@ -52,18 +65,21 @@ class Engine {
   /// With its version and build: part of what names a run.
   std::string name() const { return model_->name(); }
   EngineExit run(const EngineJob& job) const { return model_->run(job); }
+  bool waits_after_stages() const { return model_->waits_after_stages(); }
 
  private:
   struct Interface {
     virtual ~Interface() = default;
     virtual std::string name() const = 0;
     virtual EngineExit run(const EngineJob& job) const = 0;
+    virtual bool waits_after_stages() const = 0;
   };
   template <class E>
   struct Model final : Interface {
     explicit Model(E e) : engine(std::move(e)) {}
     std::string name() const override { return engine.name(); }
     EngineExit run(const EngineJob& job) const override { return engine.run(job); }
+    bool waits_after_stages() const override { return dem_adapter::waits_after_stages<E>(); }
     E engine;
   };
   std::shared_ptr<const Interface> model_;
@@ -72,6 +88,7 @@ class Engine {
 /// The bundled engine: the program repose-dem.
 class BundledEngine {
  public:
+  static constexpr bool kWaitsAfterStages = true;
   /// `program` empty: repose-dem beside the running program, then on PATH. A run that is told to
   /// end has `grace_s` for its checkpoint before it is killed. Throws StorageError if there is no
   /// program, InputError for a grace below 0.

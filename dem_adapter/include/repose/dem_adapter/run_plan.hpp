@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,14 @@ struct RunPlan {
 /// Empty if the directory has none. Throws StorageError if it is damaged.
 std::optional<RunPlan> read_plan(const std::filesystem::path& directory);
 void write_plan(const std::filesystem::path& directory, const RunPlan& plan);
+
+/// Notes in STORE/users that this directory's plan wants runs of the store. Throws StorageError.
+void note_user(const std::filesystem::path& store, const std::filesystem::path& directory);
+/// Keys that the plans of others want which use the directory as their store, as far as they are
+/// still there; empty optional: nobody does.
+std::optional<std::set<std::string>> wanted_by_users(const std::filesystem::path& store);
+/// All keys of a plan.
+std::set<std::string> keys_of(const RunPlan& plan);
 
 /// What a wanted run has come to: the first attempt that is not to be repeated, else the last;
 /// empty while an attempt is missing. `find` gives the outcome of a key.

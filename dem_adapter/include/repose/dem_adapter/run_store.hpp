@@ -54,6 +54,8 @@ class RunStore {
 
   /// A finished run, by whichever process. Throws StorageError if its outcome.json is damaged.
   std::optional<RunOutcome> find(const std::string& key) const;
+  /// The same from the run's folder: what another process may have recorded or forgotten since.
+  std::optional<RunOutcome> find_in_folder(const std::string& key) const;
   /// Writes outcome.json, then the index. Throws StorageError; the run is then as unfinished.
   void record(const RunOutcome& outcome) const;
   /// Makes the run unfinished; its other files stay.
@@ -71,14 +73,16 @@ class RunStore {
     std::int64_t offset = -1;  ///< in the index; -1: only in its folder
     std::int64_t length = 0;
   };
-  void read_index();
+  void open_index() const;
+  void read_index() const;
   void look_into_folders();
   void append(const std::string& key, const std::string& line) const;
   std::optional<RunOutcome> read_folder(const std::string& key) const;
+  bool is_current_index() const;
 
   std::filesystem::path directory_;
   StoreAccess access_;
-  int index_ = -1;
+  mutable int index_ = -1;
   mutable std::mutex mutex_;
   mutable std::map<std::string, Place> places_;
 };
@@ -90,6 +94,10 @@ class RunClaim {
   /// Waits for the folder, which is made; nothing if `given_up` becomes true before.
   static std::optional<RunClaim> take(const std::filesystem::path& folder,
                                       const std::function<bool()>& given_up);
+  /// Nothing if somebody works in the folder.
+  static std::optional<RunClaim> try_take(const std::filesystem::path& folder) {
+    return take(folder, [] { return true; });
+  }
   /// Whether somebody works in the folder.
   static bool is_taken(const std::filesystem::path& folder);
   RunClaim(RunClaim&& other) noexcept;

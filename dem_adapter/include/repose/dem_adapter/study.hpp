@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "repose/base/parameter_space.hpp"
+#include "repose/dem_adapter/campaign.hpp"
 #include "repose/dem_adapter/compute_plan.hpp"
 #include "repose/dem_adapter/scenario.hpp"
 #include "repose/doe/screening.hpp"
@@ -52,6 +53,7 @@ struct Study {
   std::string title;
   Scenario scenario;
   std::uint64_t seed = 1;
+  Seeds seeds = Seeds::own;
   ParameterSpace space;
   std::vector<MeasuredTarget> targets;
   ScreeningPlan screening;

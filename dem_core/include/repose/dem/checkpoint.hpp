@@ -36,8 +36,9 @@ void write_checkpoint(const std::filesystem::path& file, const Checkpoint& check
 /// byte) or has another version.
 Checkpoint read_checkpoint(const std::filesystem::path& file);
 
-/// Throws InputError naming the section where the case differs from that of the checkpoint, and
-/// what stands there; how often checkpoints are written may differ.
-void require_same_case(const Checkpoint& checkpoint, const scene::Case& scene);
+/// Throws InputError if the case could not have come to this state, naming the section where it
+/// differs from that of the checkpoint and what stands there. How often checkpoints are written may
+/// differ, and all that belongs to stages that had not begun: see scene::beginning_of().
+void require_same_beginning(const Checkpoint& checkpoint, const scene::Case& scene);
 
 }  // namespace repose::dem

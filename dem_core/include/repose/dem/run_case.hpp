@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <string>
 #include <string_view>
 
 #include "repose/base/error.hpp"
@@ -32,6 +33,9 @@ struct RunControl {
   /// the run has finished.
   std::function<void(std::string_view)> warn{};
   Start start = Start::where_stopped;
+  /// The stage at whose end the run waits, with a checkpoint and without run.h5; empty: none. It
+  /// goes on when it is run without, also with a case of which only later stages differ.
+  std::string until{};
   Balance balance = Balance::by_cost;  ///< of processes
 };
 
@@ -43,15 +47,17 @@ struct RunStopped : SimulationError {
 /// Runs all stages of a case and writes its run folder (see run_output.hpp). Criteria that end a
 /// stage are looked at with each row of the series. Checkpoints are written on request and after
 /// each Output::checkpoint_wall_time_s; where one is found, the run goes on from it, and its output
-/// is as if it had never stopped. Throws InputError before the first step (another case left its
-/// checkpoint in the folder, naming what differs), SimulationError, StorageError: then the last
+/// is as if it had never stopped. Throws InputError before the first step (a case with another
+/// beginning left its checkpoint in the folder, naming what differs; there is no stage
+/// RunControl::until), SimulationError, StorageError: then the last
 /// checkpoint is still there. Throws RunStopped.
 scene::RunSummary run_case(const scene::Case& scene, const std::filesystem::path& run_dir,
                            const RunControl& control = {});
 
 /// The same beside `file`, in the folder `file`.parts, whose run.h5 becomes `file` at the end; then
 /// the folder is removed. Where an earlier run of this case was finished but not yet moved, only
-/// that is done (but not with Start::anew).
+/// that is done (but not with Start::anew). Throws InputError if it is to wait: nothing would be in
+/// `file`.
 scene::RunSummary run_case_into_file(const scene::Case& scene, const std::filesystem::path& file,
                                      const RunControl& control = {});
 

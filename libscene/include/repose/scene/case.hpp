@@ -54,6 +54,15 @@ struct FlowEnds {
   bool operator==(const FlowEnds&) const = default;
 };
 
+/// What holds for all pairs while a stage lasts, in place of their own: a filling whose outcome does
+/// not depend on what is calibrated.
+struct StageCoefficients {
+  double restitution = 0.5;  ///< in (0, 1]
+  double mu_s = 0.0;
+  double mu_r = 0.0;
+  bool operator==(const StageCoefficients&) const = default;
+};
+
 /// A span of time that begins with walls being taken away.
 struct Stage {
   std::string name{};
@@ -62,6 +71,7 @@ struct Stage {
   double minimum_s = 0.0;            ///< no criterion ends it earlier
   std::optional<AtRest> at_rest{};
   std::optional<FlowEnds> flow_ends{};
+  std::optional<StageCoefficients> coefficients{};
   bool operator==(const Stage&) const = default;
 };
 
@@ -112,6 +122,12 @@ Case parse_case(std::string_view text, const std::string& name);
 /// A case file that reads back equal, bit for bit. Boxes appear as their walls.
 std::string case_text(const Case& scene);
 void write_case(const std::filesystem::path& path, const Case& scene);
+
+/// What decides a run until its first `stages` stages have ended, for comparison, not to be run:
+/// cases with equal beginnings are at that time in the same state, bit for bit. Later stages are
+/// left out, as are coefficients of pairs if none of the first stages uses them; of motions that
+/// begin with later stages only the walls, the kind and the axis count.
+Case beginning_of(const Case& scene, std::size_t stages);
 
 /// Throws InputError naming the quantity, its value and what is allowed if a simulation could not
 /// be started or would make no sense: a missing pair of materials, unknown names, sizes that do not
