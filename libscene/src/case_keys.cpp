@@ -133,7 +133,7 @@ const std::vector<CaseKey> kKeys = {
 
     {"mixture", "material", kText, "", "of [{material, clump, mass_fraction, sizes}, ...]"},
     {"mixture", "clump", kText, "spheres", "name of a [[clump]] or a shipped one"},
-    {"mixture", "mass_fraction", kOne, "", "all kinds sum to 1"},
+    {"mixture", "mass_fraction", kOne, "", "all kinds sum to 1; 0: there is none"},
     {"mixture", "sizes", kList, "", "see sizes"},
 
     {"sizes = [{...}, ...]", "diameter_m", "m", "",

@@ -71,6 +71,21 @@ TEST(Fill, LeavesNoOverlapWithSpheresAndWalls) {
   }
 }
 
+TEST(Fill, HasNoneOfAKindWithoutAShare) {
+  scene::Case c = layered_case();
+  c.fill->layers.resize(1);
+  auto& mixture = c.fill->layers[0].mixture;
+  mixture.push_back(mixture[0]);
+  mixture[0].mass_fraction = 0.0;
+  mixture[0].material = "heavy";
+  double mass = 0.0;
+  for (const Sphere& s : Simulation(c).spheres()) {
+    EXPECT_EQ(s.material, 0);
+    mass += s.mass_kg;
+  }
+  EXPECT_NEAR(mass, 0.6, 0.5 * sphere_mass(0.004, 2500.0));
+}
+
 TEST(Fill, KeepsLayersInTheirOrder) {
   double top_of_first = -1.0;
   double bottom_of_second = 1.0;

@@ -126,7 +126,7 @@ std::vector<Grains> read_mixture(const TomlTable& table) {
   std::vector<Grains> mixture;
   for (const TomlTable& item : table.tables("mixture")) {
     mixture.push_back(read_kind(item));
-    mixture.back().mass_fraction = item.number("mass_fraction", kFraction);
+    mixture.back().mass_fraction = item.number("mass_fraction", {.lower = 0.0, .upper = 1.0});
   }
   return mixture;
 }

@@ -114,7 +114,7 @@ void check_mixture(const Case& scene, const std::string& what, const std::vector
   for (const Grains& kind : mixture) {
     material_index(scene, kind.material);
     require_clump(scene, what, kind.clump);
-    require_positive(what + "mass_fraction of " + kind.material, kind.mass_fraction);
+    require_non_negative(what + "mass_fraction of " + kind.material, kind.mass_fraction);
     std::visit(SizesCheck{what}, kind.sizes);
     sum += kind.mass_fraction;
   }
