@@ -13,6 +13,11 @@
 #include "repose/base/text.hpp"
 
 namespace repose {
+namespace {
+
+constexpr double kLargestWhole = 9007199254740992.0;  // 2^53: all whole numbers up to it are exact
+
+}  // namespace
 
 struct TomlTable::Node {
   std::shared_ptr<const toml::table> document;  // keeps `table` alive
@@ -21,6 +26,7 @@ struct TomlTable::Node {
   std::string path;  // dotted name of this table, "" for the document
   std::set<std::string, std::less<>> known;
   std::vector<std::shared_ptr<Node>> opened;
+  std::shared_ptr<const EvaluateExpression> evaluate;  // null where expressions mean nothing
 
   std::string name_of(std::string_view key) const {
     if (key.empty()) return path;
@@ -45,13 +51,36 @@ struct TomlTable::Node {
     }
     return *node;
   }
+  /// "= a + b" where expressions mean something, else empty.
+  std::string expression_of(const toml::node& node) const {
+    if (evaluate == nullptr || !node.is_string()) return "";
+    auto text = *node.value<std::string>();
+    return text.starts_with("=") ? text : "";
+  }
+  double value_of(const toml::node& node, std::string_view key,
+                  const std::string& expression) const {
+    if (expression.empty()) {
+      if (!node.is_number())
+        fail(key, evaluate == nullptr ? "must be a number"
+                                      : "must be a number or an expression, \"= ...\"");
+      return *node.value<double>();
+    }
+    try {
+      return (*evaluate)(expression.substr(1));
+    } catch (const InputError& error) {
+      fail(key, fmt::format("\"{}\": {}", expression, error.what()));
+    }
+  }
   double as_number(const toml::node& node, std::string_view key, const Allowed& allowed) const {
-    if (!node.is_number()) fail(key, "must be a number");
-    const double value = *node.value<double>();
+    const std::string expression = expression_of(node);
+    const double value = value_of(node, key, expression);
+    const std::string given = expression.empty()
+                                  ? shortest(value)
+                                  : fmt::format("\"{}\" = {}", expression, shortest(value));
     if (!std::isfinite(value))
-      fail(key, fmt::format("{} is not finite; give a finite number", value));
+      fail(key, fmt::format("{} is not finite; give a finite number", given));
     if (!allowed.contains(value))
-      fail(key, fmt::format("{} is not allowed; it must be {}", shortest(value), allowed.text()));
+      fail(key, fmt::format("{} is not allowed; it must be {}", given, allowed.text()));
     return value;
   }
   std::shared_ptr<Node> open(const toml::table& child, std::string child_path) {
@@ -60,6 +89,7 @@ struct TomlTable::Node {
     node->table = &child;
     node->file = file;
     node->path = std::move(child_path);
+    node->evaluate = evaluate;
     opened.push_back(node);
     return node;
   }
@@ -137,9 +167,16 @@ double TomlTable::number_or(std::string_view key, double fallback, const Allowed
 
 std::int64_t TomlTable::integer(std::string_view key, const Allowed& allowed) const {
   const auto& node = node_->get(key);
-  if (!node.is_integer()) node_->fail(key, "must be a whole number");
-  node_->as_number(node, key, allowed);
-  return *node.value<std::int64_t>();
+  if (node_->expression_of(node).empty()) {
+    if (!node.is_integer()) node_->fail(key, "must be a whole number");
+    node_->as_number(node, key, allowed);
+    return *node.value<std::int64_t>();
+  }
+  const double value = node_->as_number(node, key, allowed);
+  if (value != std::floor(value) || std::abs(value) > kLargestWhole)
+    node_->fail(key, fmt::format("\"{}\" = {} must be a whole number; round it, e.g. with rint()",
+                                 node_->expression_of(node), shortest(value)));
+  return static_cast<std::int64_t>(value);
 }
 
 std::int64_t TomlTable::integer_or(std::string_view key, std::int64_t fallback,
@@ -222,6 +259,16 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
 
 bool TomlTable::is_table(std::string_view key) const {
   return has(key) && node_->table->get(key)->is_table();
+}
+
+TomlTable TomlTable::with_expressions(EvaluateExpression evaluate) const {
+  auto node = std::make_shared<Node>();
+  node->document = node_->document;
+  node->table = node_->table;
+  node->file = node_->file;
+  node->path = node_->path;
+  if (evaluate) node->evaluate = std::make_shared<const EvaluateExpression>(std::move(evaluate));
+  return TomlTable(std::move(node));
 }
 
 void TomlTable::fail(std::string_view key, const std::string& what) const {

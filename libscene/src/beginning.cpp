@@ -26,6 +26,7 @@ Motion awaited(Motion motion) {
 
 Case beginning_of(const Case& scene, std::size_t stages) {
   Case beginning = scene;
+  beginning.parameters.clear();  // of no effect but through the rest
   beginning.stages.resize(std::min(stages, scene.stages.size()));
   const auto is_later = [&](const std::string& name) {
     return !name.empty() && std::none_of(beginning.stages.begin(), beginning.stages.end(),

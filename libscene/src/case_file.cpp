@@ -1,4 +1,7 @@
 // Reading and writing of case files.
+#include <algorithm>
+#include <cctype>
+
 #include "case_io/parts.hpp"
 #include "repose/base/error.hpp"
 #include "repose/base/file.hpp"
@@ -50,26 +53,18 @@ void read_insertion(const TomlTable& root, const Folder& folder, Case& scene) {
   read_each(root, "particle", scene.particles, read_particle);
 }
 
-Case case_of(const TomlTable& root, const Folder& folder) {
-  Case scene;
-  scene.gravity_m_s2 = vector3_or(root, "gravity_m_s2", scene.gravity_m_s2);
-  if (const auto run = root.table_if_present("run")) read_run(*run, scene);
-  read_domain(root.table("domain"), scene);
-  if (const auto contact = root.table_if_present("contact")) scene.contact = read_contact(*contact);
-  read_each(root, "material", scene.materials, read_material);
-  read_each(root, "pair", scene.pairs, read_pair);
-  read_each(root, "clump", scene.clumps, read_clump);
-  read_geometry(root, folder, scene);
-  read_insertion(root, folder, scene);
-  read_each(root, "stage", scene.stages, read_stage);
-  if (const auto output = root.table_if_present("output")) scene.output = read_output(*output);
-  root.refuse_unknown_keys();
-  try {
-    validate(scene);
-  } catch (const InputError& error) {
-    throw InputError(root.file() + ": " + error.what());
-  }
-  return scene;
+/// Whether TOML takes it without quotes.
+bool is_bare_key(const std::string& key) {
+  return !key.empty() && std::all_of(key.begin(), key.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '-';
+  });
+}
+
+void write_parameters(CaseText& out, const Case& scene) {
+  if (scene.parameters.empty()) return;
+  out.heading("[parameters]");
+  for (const auto& [name, value] : scene.parameters)
+    out.put(is_bare_key(name) ? name : toml_quoted(name), value);
 }
 
 void write_head(CaseText& out, const Case& scene) {
@@ -89,12 +84,37 @@ void write_head(CaseText& out, const Case& scene) {
 
 }  // namespace
 
+Case case_from(const TomlTable& root, const std::filesystem::path& folder) {
+  Case scene;
+  scene.gravity_m_s2 = vector3_or(root, "gravity_m_s2", scene.gravity_m_s2);
+  if (const auto run = root.table_if_present("run")) read_run(*run, scene);
+  read_domain(root.table("domain"), scene);
+  if (const auto contact = root.table_if_present("contact")) scene.contact = read_contact(*contact);
+  read_each(root, "material", scene.materials, read_material);
+  read_each(root, "pair", scene.pairs, read_pair);
+  read_each(root, "clump", scene.clumps, read_clump);
+  read_geometry(root, folder, scene);
+  read_insertion(root, folder, scene);
+  read_each(root, "stage", scene.stages, read_stage);
+  if (const auto output = root.table_if_present("output")) scene.output = read_output(*output);
+  if (const auto parameters = root.table_if_present("parameters"))
+    for (const std::string& name : parameters->keys())
+      scene.parameters[name] = parameters->number(name);
+  root.refuse_unknown_keys();
+  try {
+    validate(scene);
+  } catch (const InputError& error) {
+    throw InputError(root.file() + ": " + error.what());
+  }
+  return scene;
+}
+
 Case read_case(const std::filesystem::path& path) {
-  return case_of(TomlTable::read_file(path), std::filesystem::absolute(path).parent_path());
+  return case_from(TomlTable::read_file(path), std::filesystem::absolute(path).parent_path());
 }
 
 Case parse_case(std::string_view text, const std::string& name) {
-  return case_of(TomlTable::parse(text, name), {});
+  return case_from(TomlTable::parse(text, name), {});
 }
 
 std::string case_text(const Case& scene) {
@@ -109,6 +129,7 @@ std::string case_text(const Case& scene) {
   write_insertion(out, scene);
   for (const Stage& stage : scene.stages) write_stage(out, stage);
   write_output(out, scene.output);
+  write_parameters(out, scene);
   return out.text;
 }
 

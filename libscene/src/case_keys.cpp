@@ -205,6 +205,9 @@ const std::vector<CaseKey> kKeys = {
     {"[output]", "energy", kFlag, "false", "the energy ledger"},
     {"[output]", "checkpoint_wall_time_s", "s", "300",
      "wall time between checkpoints; 0: only on signals"},
+
+    {"[parameters]", "NAME", "any", kNone,
+     "what the case was made from, any names: recorded, without effect"},
 };
 
 /// Appends words to lines of at most `columns`, later lines indented.

@@ -72,6 +72,48 @@ TEST(Toml, RefusesNonFiniteNumbersAndBrokenFiles) {
       std::string::npos);
 }
 
+/// a = 3, b = 0, whatever else is unknown; "a/b" is infinite.
+double evaluated(const std::string& expression) {
+  if (expression == " a") return 3.0;
+  if (expression == " a / b") return std::numeric_limits<double>::infinity();
+  if (expression == " 0 - a") return -3.0;
+  if (expression == " a / 2") return 1.5;
+  throw InputError("there is no parameter" + expression);
+}
+
+TEST(Toml, ExpressionsStandForNumbersAndForNothingElse) {
+  const auto root = TomlTable::parse(
+      "x = \"= a\"\n[t]\nlist = [1, \"= a / 2\"]\ntext = \"= a\"\n[[u]]\ny = \"= a\"\n", "f.toml");
+  const auto with = root.with_expressions(evaluated);
+  EXPECT_EQ(with.number("x"), 3.0);
+  EXPECT_EQ(with.integer("x"), 3);
+  EXPECT_EQ(with.table("t").numbers("list"), (std::vector<double>{1.0, 1.5}));
+  EXPECT_EQ(with.table("t").text("text"), "= a");
+  EXPECT_EQ(with.tables("u")[0].number_or("y", 0.0), 3.0);
+  EXPECT_EQ(message_of([&] { root.number("x"); }), "f.toml:1: x: must be a number");
+}
+
+TEST(Toml, AWrongExpressionIsReportedWithFileLineAndKey) {
+  const auto root =
+      TomlTable::parse(
+          "a = \"= c\"\nb = \"= a / b\"\nc = \"= 0 - a\"\nd = \"= a / 2\"\ne = \"a\"\n", "f.toml")
+          .with_expressions(evaluated);
+  EXPECT_EQ(message_of([&] { root.number("a"); }), "f.toml:1: a: \"= c\": there is no parameter c");
+  EXPECT_EQ(message_of([&] { root.number("b"); }),
+            "f.toml:2: b: \"= a / b\" = inf is not finite; give a finite number");
+  EXPECT_EQ(message_of([&] { root.number("c", kPositive); }),
+            "f.toml:3: c: \"= 0 - a\" = -3 is not allowed; it must be above 0");
+  EXPECT_NE(message_of([&] { root.integer("d"); }).find("f.toml:4: d: \"= a / 2\" = 1.5 must be"),
+            std::string::npos);
+  EXPECT_NE(message_of([&] { root.number("e"); }).find("an expression"), std::string::npos);
+}
+
+TEST(Toml, ATableWithExpressionsKnowsNoKeysOfTheOneBefore) {
+  const auto root = TomlTable::parse("x = 1\n", "f.toml");
+  static_cast<void>(root.number("x"));
+  EXPECT_THROW(root.with_expressions(evaluated).refuse_unknown_keys(), InputError);
+}
+
 TEST(Toml, QuotedTextReadsBack) {
   const std::string text = "a \"b\" \\ c\n\t";
   EXPECT_EQ(TomlTable::parse("k = " + toml_quoted(text), "q").text("k"), text);

@@ -33,6 +33,7 @@ TEST(BeginningOf, IsEqualWhereOnlyLaterStagesDiffer) {
       [](Case& c) { c.stages[1].duration_s = 3.0; },
       [](Case& c) { c.stages[1].opens.clear(); },
       [](Case& c) { c.stages.pop_back(); },
+      [](Case& c) { c.parameters["lift_m_s"] = 0.2; },
       [](Case& c) { std::get<Translation>(c.motions[0].path).velocity_m_s.z() = 0.2; },
       [](Case& c) { std::get<Rotation>(c.motions[1].path).rate_rad_s = -1.0; },
       [](Case& c) { c.motions[1].start_s = 0.3; }};

@@ -231,6 +231,10 @@ TEST(CaseKeys, AreExactlyThoseThatTheReaderAccepts) {
   std::map<std::string, Names> listed_keys;
   for (const CaseKey& key : case_keys()) {
     const std::string table(key.table);
+    if (table == "[parameters]") {  // whose names are free
+      listed_keys[""].insert("parameters");
+      continue;
+    }
     EXPECT_TRUE(listed_keys[table].insert(std::string(key.key)).second)
         << table << " " << key.key << " stands twice";
     const bool is_first_level =

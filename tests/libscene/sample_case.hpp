@@ -122,6 +122,7 @@ inline Case sample_case() {
               .vtp = true,
               .energy = true,
               .checkpoint_wall_time_s = 60.0};
+  c.parameters = {{"mu_s_pp", 0.1 / 3.0}, {"0 odd \"name\"", -1e-300}};
   return c;
 }
 

@@ -1,4 +1,6 @@
 // What a case must satisfy before its first step.
+#include <cmath>
+
 #include "repose/base/error.hpp"
 #include "repose/base/text.hpp"
 #include "validate/checks.hpp"
@@ -24,6 +26,8 @@ void check_run(const Case& scene) {
   require_non_negative("output.snapshot_interval_s", scene.output.snapshot_interval_s);
   require_positive("output.series_interval_s", scene.output.series_interval_s);
   require_non_negative("output.checkpoint_wall_time_s", scene.output.checkpoint_wall_time_s);
+  for (const auto& [name, value] : scene.parameters)
+    if (!std::isfinite(value)) refuse("parameters." + name, value, "must be finite");
 }
 
 }  // namespace

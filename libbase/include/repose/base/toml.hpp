@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -24,6 +25,9 @@ struct Allowed {
 };
 inline constexpr Allowed kPositive{.lower = 0.0, .open_lower = true};
 inline constexpr Allowed kNonNegative{.lower = 0.0};
+
+/// The number that an expression stands for; throws InputError that says what is wrong with it.
+using EvaluateExpression = std::function<double(const std::string& expression)>;
 
 /// A table of a TOML document. Reading a key marks it as known; refuse_unknown_keys() then reports
 /// the first key of this table and of its opened sub-tables that nobody asked for. All functions
@@ -57,6 +61,11 @@ class TomlTable {
   /// An array of tables, `[[key]]` or `key = [{...}, ...]`; empty if absent.
   std::vector<TomlTable> tables(std::string_view key) const;
   bool is_table(std::string_view key) const;
+
+  /// The same table, no key of which is known yet, with expressions: wherever a number is asked
+  /// for, here, in lists and in the tables opened from it, a text "= EXPRESSION" stands for what
+  /// `evaluate` makes of it. Without a function it is a copy without expressions.
+  TomlTable with_expressions(EvaluateExpression evaluate) const;
 
   /// Throws InputError about `key` of this table ("" for the table itself), with file and line.
   [[noreturn]] void fail(std::string_view key, const std::string& what) const;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,6 +13,10 @@
 #include "repose/scene/grains.hpp"
 #include "repose/scene/insertion.hpp"
 #include "repose/scene/wall.hpp"
+
+namespace repose {
+class TomlTable;
+}
 
 namespace repose::scene {
 
@@ -110,6 +115,8 @@ struct Case {
   std::vector<Particle> particles{};
   std::vector<Stage> stages{};
   Output output{};
+  /// What the case was made from, by name: recorded, without effect on the simulation.
+  std::map<std::string, double> parameters{};
   bool operator==(const Case&) const = default;
 };
 
@@ -118,6 +125,9 @@ struct Case {
 Case read_case(const std::filesystem::path& path);
 /// The same from text; `name` stands for the file in messages.
 Case parse_case(std::string_view text, const std::string& name);
+/// The same from a table, in which expressions may stand for numbers; files are relative to
+/// `folder`. Other keys may stand beside those of a case if they were read before.
+Case case_from(const TomlTable& table, const std::filesystem::path& folder);
 
 /// A case file that reads back equal, bit for bit. Boxes appear as their walls.
 std::string case_text(const Case& scene);
