@@ -94,7 +94,8 @@ void calibrate_study(const CalibrateOptions& options) {
     return;
   }
   if (!options.common.quiet) fmt::print(stderr, "{}\n", plan);
-  const Campaign campaign(directory, BundledEngine(), measure_of(study.scenario),
+  const Campaign campaign(directory, make_engine(study.scenario, study.engine),
+                          measure_of(study.scenario),
                           {.compute = study.compute,
                            .failures = study.failures,
                            .stop = &stop_requested(FirstInterrupt::lets_runs_end)});

@@ -85,9 +85,11 @@ void run_campaign(const CampaignCommandOptions& options) {
   const fs::path directory = options.directory;
   auto file = read_campaign(directory);
   if (options.workers > 0) file.compute.workers = options.workers;
+  if (!options.engine.empty()) file.engine = parse_engine_choice(options.engine);
   const auto table = directory / "runs.h5";
   {
-    const Campaign campaign(directory, BundledEngine(options.engine), measure_of(file.scenario),
+    const Campaign campaign(directory, make_engine(file.scenario, file.engine),
+                            measure_of(file.scenario),
                             {.compute = file.compute,
                              .failures = file.failures,
                              .stop = &stop_requested(FirstInterrupt::lets_runs_end)});
@@ -176,7 +178,9 @@ void add_campaign(CLI::App& app) {
       "command goes on. docs/how-to/campaign.md has all keys.");
   run->add_option("--workers", o->workers, "runs at once; 0: as many as cores and memory hold")
       ->check(CLI::Range(0, 4096));
-  run->add_option("--engine", o->engine, "program that is called as repose-dem is");
+  run->add_option(
+      "--engine", o->engine,
+      "in place of [engine]: its name, or the path of a program that is called as repose-dem is");
   add_kind(*group, "status", "How far a campaign or a calibration is; changes nothing", "friction",
            o, print_status);
   auto* table = add_kind(*group, "table", "Writes one table of all runs that are there",

@@ -11,7 +11,7 @@
 #include "repose/base/file.hpp"
 #include "repose/base/text.hpp"
 #include "repose/dem_adapter/campaign.hpp"
-#include "repose/dem_adapter/engine.hpp"
+#include "repose/dem_adapter/engine_choice.hpp"
 #include "repose/dem_adapter/scenario.hpp"
 #include "repose/scene/run_output.hpp"
 #include "stop_signal.hpp"
@@ -24,6 +24,7 @@ struct SimulateOptions {
   std::string scenario;
   std::vector<std::string> settings;
   std::string output;
+  std::string engine;
   std::uint64_t seed = 1;
   double time_limit_s = 0.0;
 };
@@ -76,7 +77,8 @@ void claim(const std::filesystem::path& directory, const std::string& case_text)
   if (folder && std::filesystem::is_empty(directory)) return;
   const auto case_file = directory / "case.toml";
   if (folder && std::filesystem::exists(case_file) && read_file(case_file) == case_text &&
-      !std::filesystem::exists(directory / "output" / "run.h5"))
+      !std::filesystem::exists(directory / "output" / "run.h5") &&
+      !std::filesystem::exists(directory / "kpis.json"))
     return;
   throw StorageError(fmt::format("'{}' exists and is not empty; name another folder or remove it",
                                  directory.string()));
@@ -87,7 +89,9 @@ void simulate(const SimulateOptions& options) {
   const auto input = scenario.make_input(parse_settings(options.settings, scenario), options.seed);
   const std::filesystem::path directory = options.output;
   claim(directory, input.text);
-  const dem_adapter::BundledEngine engine;
+  const auto engine = dem_adapter::make_engine(
+      scenario, options.engine.empty() ? dem_adapter::EngineChoice{}
+                                       : dem_adapter::parse_engine_choice(options.engine));
   make_directory(directory);
   write_file_atomically(directory / "case.toml", input.text);
   const auto& stop = stop_requested(FirstInterrupt::ends_runs);
@@ -121,6 +125,9 @@ void add_simulate(CLI::App& app) {
   command->add_option("--seed", o->seed, "of the packing")
       ->capture_default_str()
       ->check(CLI::Range(0L, 9223372036854775807L));
+  command->add_option("--engine", o->engine,
+                      "its name, or the path of a program that is called as repose-dem is; "
+                      "default: bundled");
   command->add_option("--time-limit", o->time_limit_s, "s of wall time; 0: none")
       ->check(CLI::NonNegativeNumber);
   command->add_option("-o,--output", o->output, "folder to write, new or empty")->required();

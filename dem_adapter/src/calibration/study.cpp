@@ -173,6 +173,7 @@ Study read_study(const std::filesystem::path& path) {
   study.space = read_space(root, study.scenario.parameter_names(), study.scenario.kpi_names());
   study.targets = read_targets(root, study.scenario.kpi_names());
   read_plans(root, study);
+  study.engine = read_engine_choice(root, path.parent_path());
   study.compute = read_compute_plan(root, path.parent_path());
   study.failures = read_failure_policy(root, study.scenario.kpi_names());
   root.refuse_unknown_keys();

@@ -36,7 +36,10 @@ Resources earlier_parts(const std::filesystem::path& folder) {
 }  // namespace
 
 Measure measure_of(const Scenario& scenario) {
-  return {fmt::format("{} {}: {}", scenario.name(), version(), listed(scenario.kpi_names())),
+  auto name = fmt::format("{} {}: {}", scenario.name(), version(), listed(scenario.kpi_names()));
+  if (const auto definition = scenario.kpi_definition(); !definition.empty())
+    name += fmt::format(" by {:016x}", content_hash(definition));
+  return {std::move(name),
           [scenario](const std::filesystem::path& output) { return scenario.measure(output); }};
 }
 

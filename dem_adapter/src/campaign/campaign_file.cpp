@@ -74,6 +74,7 @@ CampaignFile read_campaign(const std::filesystem::path& directory) {
   file.points = read_points(root, directory, file.scenario, others);
   file.fixed = std::move(others.fixed);
   file.ties = std::move(others.ties);
+  file.engine = read_engine_choice(root, directory);
   file.compute = read_compute_plan(root, directory);
   file.failures = read_failure_policy(root, file.scenario.kpi_names());
   root.refuse_unknown_keys();

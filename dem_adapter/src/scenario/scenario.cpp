@@ -1,5 +1,6 @@
 #include "repose/dem_adapter/scenario.hpp"
 
+#include "repose/dem_adapter/command.hpp"
 #include "repose/dem_adapter/drawdown.hpp"
 
 namespace repose::dem_adapter {
@@ -11,7 +12,8 @@ RunInput input_of(const scene::Case& scene) {
 
 Scenario read_scenario(const TomlTable& table) {
   // The closed set of templates; one line each.
-  table.choice("scenario", {"drawdown"});
+  if (table.choice("scenario", {"drawdown", "command"}) == "command")
+    return CommandScenario::read(table);
   return Drawdown::read(table);
 }
 

@@ -9,6 +9,7 @@
 #include "repose/base/parameter_space.hpp"
 #include "repose/dem_adapter/campaign.hpp"
 #include "repose/dem_adapter/compute_plan.hpp"
+#include "repose/dem_adapter/engine_choice.hpp"
 #include "repose/dem_adapter/run_plan.hpp"
 #include "repose/dem_adapter/scenario.hpp"
 #include "repose/table/table.hpp"
@@ -25,6 +26,7 @@ struct CampaignFile {
   table::Table points;  ///< one row a point, one column a parameter, natural units; none: one point
   ParameterValues fixed;
   std::vector<Tie> ties;
+  EngineChoice engine;
   ComputePlan compute;
   FailurePolicy failures;
 

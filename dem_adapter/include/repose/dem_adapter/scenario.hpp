@@ -5,11 +5,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "repose/base/parameter_space.hpp"
 #include "repose/base/toml.hpp"
+#include "repose/dem_adapter/engine.hpp"
 #include "repose/dem_adapter/measurement.hpp"
 #include "repose/scene/case.hpp"
 #include "repose/scene/run_output.hpp"
@@ -40,13 +42,21 @@ concept CaseScenario = HasNames<S> &&
 /// A scenario whose input and output only its own engine understands.
 template <class S>
 concept TextScenario = HasNames<S> &&
-    requires(const S& s, const ParameterValues& values, const std::filesystem::path& output) {
+    requires(const S& s, const ParameterValues& values, const std::filesystem::path& output,
+             const Executor& executor) {
   { s.make_input(values, std::uint64_t{}) } -> std::convertible_to<RunInput>;
   { s.measure(output) } -> std::convertible_to<Measurement>;
+  { s.make_engine(executor) } -> std::convertible_to<Engine>;
 };
 
 template <class S>
 concept ScenarioLike = CaseScenario<S> || TextScenario<S>;
+
+/// A scenario whose KPIs are defined by its user: a text that changes with them.
+template <class S>
+concept DefinesKpis = requires(const S& s) {
+  { s.kpi_definition() } -> std::convertible_to<std::string>;
+};
 
 RunInput input_of(const scene::Case& scene);  ///< throws InputError as scene::validate() does
 
@@ -69,6 +79,12 @@ class Scenario {
   /// Of what the engine left in its output folder. Throws InputError or StorageError if that is not
   /// what this scenario expects.
   Measurement measure(const std::filesystem::path& output) const { return model_->measure(output); }
+  /// Runs with another definition are measured anew; empty if only code defines the KPIs.
+  std::string kpi_definition() const { return model_->kpi_definition(); }
+  /// Of a scenario that only its own engine can run, which then uses this executor.
+  std::optional<Engine> own_engine(const Executor& executor) const {
+    return model_->own_engine(executor);
+  }
 
  private:
   struct Interface {
@@ -78,6 +94,8 @@ class Scenario {
     virtual std::vector<std::string> kpi_names() const = 0;
     virtual RunInput make_input(const ParameterValues& values, std::uint64_t seed) const = 0;
     virtual Measurement measure(const std::filesystem::path& output) const = 0;
+    virtual std::string kpi_definition() const = 0;
+    virtual std::optional<Engine> own_engine(const Executor& executor) const = 0;
   };
   template <class S>
   struct Model final : Interface {
@@ -96,6 +114,18 @@ class Scenario {
         return scenario.measure(scene::read_run(output));
       else
         return scenario.measure(output);
+    }
+    std::string kpi_definition() const override {
+      if constexpr (DefinesKpis<S>)
+        return scenario.kpi_definition();
+      else
+        return {};
+    }
+    std::optional<Engine> own_engine(const Executor& executor) const override {
+      if constexpr (TextScenario<S>)
+        return scenario.make_engine(executor);
+      else
+        return std::nullopt;
     }
     S scenario;
   };

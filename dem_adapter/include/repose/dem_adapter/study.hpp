@@ -9,6 +9,7 @@
 #include "repose/base/parameter_space.hpp"
 #include "repose/dem_adapter/campaign.hpp"
 #include "repose/dem_adapter/compute_plan.hpp"
+#include "repose/dem_adapter/engine_choice.hpp"
 #include "repose/dem_adapter/scenario.hpp"
 #include "repose/doe/screening.hpp"
 #include "repose/opt/composite.hpp"
@@ -62,6 +63,7 @@ struct Study {
   surrogate::GaussianProcessOptions surrogate;
   opt::GeneticOptions genetic;
   VerificationPlan verification;
+  EngineChoice engine;
   ComputePlan compute;
   FailurePolicy failures;
 
