@@ -68,6 +68,7 @@ struct Options {
   std::string balance = "by-cost";
   std::string until;
   bool from_start = false;
+  bool place = false;
   bool quiet = false;
   bool json = false;
 };
@@ -115,6 +116,13 @@ void print_text(const repose::scene::RunSummary& s, const std::string& output) {
     fmt::print("it waits in {} and goes on without --until\n", output);
 }
 
+void print_summary(const repose::scene::RunSummary& summary, const Options& options) {
+  if (options.json)
+    print_json(summary, options.output);
+  else
+    print_text(summary, options.output);
+}
+
 void run(const Options& options) {
   const int started = repose::dem::Communicator::of_launcher().size();
   if (options.ranks > 1 && options.ranks != started)
@@ -123,6 +131,13 @@ void run(const Options& options) {
                     options.ranks, started));
   repose::scene::Case scene = repose::scene::read_case(options.case_file);
   if (options.seed) scene.seed = *options.seed;
+  if (options.place) {
+    if (started > 1) throw repose::UsageError("--place is done by one process; leave --ranks out");
+    if (is_file_name(options.output))
+      throw repose::UsageError("--place writes a folder; name one that does not end with .h5");
+    print_summary(repose::dem::place_particles(scene, options.output), options);
+    return;
+  }
   repose::ProgressDisplay display("repose-dem", options.quiet || !is_root()
                                                     ? repose::ProgressStyle::quiet
                                                     : repose::ProgressStyle::automatic);
@@ -144,11 +159,7 @@ void run(const Options& options) {
                 .balance = options.balance == "never" ? repose::dem::Balance::never
                                                       : repose::dem::Balance::by_cost});
   display.finish();
-  if (!is_root()) return;
-  if (options.json)
-    print_json(summary, options.output);
-  else
-    print_text(summary, options.output);
+  if (is_root()) print_summary(summary, options);
 }
 
 struct Failure {
@@ -217,6 +228,8 @@ int main(int argc, char** argv) {
                  "of which only later stages differ");
   app.add_flag("--from-start", options.from_start,
                "Begin anew where the folder holds a checkpoint");
+  app.add_flag("--place", options.place,
+               "Only places the particles: OUTPUT/run.h5:/snapshots/000001 has them");
   app.add_flag("--quiet", options.quiet, "No progress");
   app.add_flag("--json", options.json, "Summary as JSON on stdout");
   app.set_version_flag("--version", repose::version());

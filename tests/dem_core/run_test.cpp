@@ -125,6 +125,27 @@ TEST(RunCase, EndsItsStagesByTheirCriteria) {
   EXPECT_LT(run.summary().largest_overlap_ratio, 0.5);
 }
 
+TEST(PlaceParticles, LeavesWhatARunWouldBeginWith) {
+  const Scratch scratch;
+  const fs::path dir = scratch.path / "placed";
+  const scene::Case c = trap_door();
+  const scene::RunSummary placed = place_particles(c, dir);
+  const scene::Run run = scene::read_run(dir);
+  Simulation sim(c);
+  ASSERT_EQ(run.snapshots().size(), 1u);
+  const scene::Snapshot snapshot = run.snapshot(0);
+  const auto spheres = sim.spheres();
+  ASSERT_EQ(snapshot.size(), spheres.size());
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    EXPECT_EQ(snapshot.position[i], spheres[i].position);
+    EXPECT_EQ(snapshot.radius_m[i], spheres[i].radius_m);
+  }
+  EXPECT_EQ(placed.time_step_s, sim.time_step_s());
+  EXPECT_EQ(run.summary().steps, 0);
+  EXPECT_EQ(run.summary().bodies, sim.ledger());
+  EXPECT_EQ(run.series().rows(), 1u);
+}
+
 TEST(RunCase, WritesSnapshotsOnTime) {
   const Scratch scratch;
   scene::Case c = trap_door();

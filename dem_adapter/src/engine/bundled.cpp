@@ -4,37 +4,9 @@
 #include "repose/base/error.hpp"
 #include "repose/base/text.hpp"
 #include "repose/dem_adapter/engine.hpp"
+#include "repose_dem.hpp"
 
 namespace repose::dem_adapter {
-namespace {
-
-/// The failures of repose-dem that have a name, by what only their messages contain.
-Outcome outcome_of(const std::string& message) {
-  struct Sign {
-    const char* words;
-    Outcome outcome;
-  };
-  static constexpr Sign kSigns[] = {{"left the domain", Outcome::particles_lost},
-                                    {"has the position", Outcome::non_finite},
-                                    {"raise youngs_modulus_pa", Outcome::unphysical},
-                                    {"lower the time step", Outcome::unphysical}};
-  for (const auto& sign : kSigns)
-    if (message.find(sign.words) != std::string::npos) return sign.outcome;
-  return Outcome::engine_failed;
-}
-
-/// A code that says nothing about this run but that no run can succeed: bad input, a full disk. The
-/// study must stop then, not record failures.
-void throw_if_not_the_run(int code, const std::string& message,
-                          const std::filesystem::path& program) {
-  const auto text = fmt::format("{}: {}", program.filename().string(), message);
-  if (code == static_cast<int>(ErrorKind::input)) throw InputError(text);
-  if (code == static_cast<int>(ErrorKind::storage)) throw StorageError(text);
-  if (code == static_cast<int>(ErrorKind::internal) || code == static_cast<int>(ErrorKind::usage))
-    throw Error(ErrorKind::internal, text);
-}
-
-}  // namespace
 
 BundledEngine::BundledEngine(std::filesystem::path program, double grace_s, Executor executor)
     : program_(program.empty() ? find_program("repose-dem", "build or install it")
@@ -72,13 +44,7 @@ EngineExit BundledEngine::run(const EngineJob& job) const {
     command.words.push_back(job.until);
   }
   const auto said_before = size_of(command.log);
-  const auto end = executor_.run(command);
-  auto exit = exit_of(end, command, said_before);
-  if (exit.status == EngineStatus::failed && end.signal == 0) {
-    throw_if_not_the_run(end.exit_code, exit.message, program_);
-    exit.failure = outcome_of(exit.message);
-  }
-  return exit;
+  return exit_of_repose_dem(executor_.run(command), command, said_before);
 }
 
 }  // namespace repose::dem_adapter

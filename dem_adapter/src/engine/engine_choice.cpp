@@ -7,11 +7,12 @@
 #include "programs.hpp"
 #include "repose/base/error.hpp"
 #include "repose/base/text.hpp"
+#include "repose/dem_adapter/liggghts.hpp"
 
 namespace repose::dem_adapter {
 
 const std::vector<std::string>& engine_names() {
-  static const std::vector<std::string> kNames{"bundled"};
+  static const std::vector<std::string> kNames{"bundled", "liggghts"};
   return kNames;
 }
 
@@ -20,10 +21,14 @@ EngineChoice read_engine_choice(const TomlTable& root, const std::filesystem::pa
   const auto t = root.table_if_present("engine");
   if (!t) return choice;
   choice.name = t->choice("name", engine_names());
-  if (!t->has("program")) return choice;
-  const std::filesystem::path program = t->text("program");
-  if (program.empty()) t->fail("program", "it is empty; name a program, or leave it out");
-  choice.program = program.has_parent_path() ? folder / program : program;
+  const auto read = [&](const char* key) -> std::filesystem::path {
+    if (!t->has(key)) return {};
+    const std::filesystem::path program = t->text(key);
+    if (program.empty()) t->fail(key, "it is empty; name a program, or leave it out");
+    return program.has_parent_path() ? folder / program : program;
+  };
+  choice.program = read("program");
+  if (choice.name == "liggghts") choice.mpirun = read("mpirun");
   return choice;
 }
 
@@ -46,10 +51,15 @@ Engine make_engine(const Scenario& scenario, const EngineChoice& choice, const E
           choice.name.empty() ? choice.program.string() : choice.name));
     return *own;
   }
-  auto program = choice.program;
-  if (!program.empty() && !program.has_parent_path())
-    program = find_program(program.string(), "install it, or give its path as program");
-  return BundledEngine(program, 10.0, executor);
+  const auto found = [](const std::filesystem::path& program) {
+    return program.empty() || program.has_parent_path()
+               ? program
+               : find_program(program.string(), "install it, or give its path");
+  };
+  if (choice.name == "liggghts")
+    return LiggghtsEngine({.liggghts = found(choice.program), .mpirun = found(choice.mpirun)},
+                          executor);
+  return BundledEngine(found(choice.program), 10.0, executor);
 }
 
 }  // namespace repose::dem_adapter

@@ -465,4 +465,28 @@ scene::RunSummary run_case_into_file(const scene::Case& scene, const std::filesy
   return summary.value_or(scene::RunSummary{});  // root may have found what was finished
 }
 
+scene::RunSummary place_particles(const scene::Case& scene, const std::filesystem::path& run_dir) {
+  scene::validate(scene);
+  const RunLock lock(run_dir);
+  scene::RunWriter writer(run_dir, scene);
+  Simulation sim(scene);
+  const BodySums sums = body_sums(scene, sim);
+  writer.add_row(scene::SeriesRow{.time_s = 0.0,
+                                  .kinetic_energy_j = sums.kinetic_energy_j,
+                                  .max_overlap_ratio = sim.take_largest_overlap().ratio(),
+                                  .contacts = static_cast<std::int64_t>(sim.contacts()),
+                                  .region_mass_kg = sums.region_mass_kg});
+  writer.write_snapshot(snapshot_of(scene, "", sim), sim.wall_poses());
+  const scene::RunSummary summary{.time_step_s = sim.time_step_s(),
+                                  .spheres = static_cast<std::int64_t>(sim.size()),
+                                  .bodies = sim.ledger(),
+                                  .state_hash = fmt::format("{:016x}", sim.state_hash()),
+                                  .engine = "repose-dem",
+                                  .version = version(),
+                                  .seed = scene.seed,
+                                  .stages = {}};
+  writer.finish(summary);
+  return summary;
+}
+
 }  // namespace repose::dem

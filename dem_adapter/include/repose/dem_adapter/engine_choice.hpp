@@ -14,13 +14,14 @@ namespace repose::dem_adapter {
 struct EngineChoice {
   std::string name{};               ///< one of engine_names(); empty: what the scenario needs
   std::filesystem::path program{};  ///< in place of the one that is found; empty: find it
+  std::filesystem::path mpirun{};   ///< likewise, of liggghts with several ranks
 };
 
 /// Engines that run cases.
 const std::vector<std::string>& engine_names();
 
-/// Reads [engine], optional: name, program. A relative program with a "/" is relative to `folder`.
-/// Throws InputError with file and line.
+/// Reads [engine], optional: name, program, mpirun. A relative program with a "/" is relative to
+/// `folder`. Throws InputError with file and line.
 EngineChoice read_engine_choice(const TomlTable& root, const std::filesystem::path& folder);
 
 /// The same from a word: the name of an engine, or the path, with a "/", of a program that is

@@ -61,4 +61,10 @@ scene::RunSummary run_case(const scene::Case& scene, const std::filesystem::path
 scene::RunSummary run_case_into_file(const scene::Case& scene, const std::filesystem::path& file,
                                      const RunControl& control = {});
 
+/// Places the particles of a case and takes no step, so that another program may go on with them.
+/// The run folder becomes that of a run without stages: one row of the series, the particles as its
+/// only snapshot, of no stage, and in the summary the time step of the case. For one process.
+/// Throws as run_case().
+scene::RunSummary place_particles(const scene::Case& scene, const std::filesystem::path& run_dir);
+
 }  // namespace repose::dem
