@@ -4,13 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "repose/base/error.hpp"
 #include "repose/dem_adapter/drawdown.hpp"
 #include "repose/dem_adapter/edge_angle.hpp"
-#include "repose/dem_adapter/flow.hpp"
+#include "repose/dem_adapter/run_bulk.hpp"
 #include "repose/dem_adapter/silhouette.hpp"
 
 namespace repose::dem_adapter {
@@ -65,32 +64,6 @@ Rig rig_of(const scene::Case& scene) {
           .floor_m = origin("lower_floor").z()};
 }
 
-/// When the gate opened: the end of the stage before the discharge.
-double opening_time_s(const scene::Run& run) {
-  for (const auto& stage : run.summary().stages)
-    if (stage.name == "settle") return stage.time_s;
-  throw InputError("the run has no stage \"settle\"; it is not a draw-down");
-}
-
-/// The mass left in the upper box from the opening of the gate on, as of a load cell under it.
-MassCurve discharge_of(const table::Table& series, double opened_s) {
-  const auto time = series.numbers("time_s");
-  const auto upper = series.numbers("mass_upper_box_kg");
-  MassCurve curve;
-  double before = std::numeric_limits<double>::quiet_NaN();
-  for (std::size_t i = 0; i < time.size(); ++i) {
-    if (time[i] < opened_s - 1e-9) {
-      before = upper[i];
-      continue;
-    }
-    curve.time_s.push_back(time[i] - opened_s);
-    curve.mass_kg.push_back(upper[i]);
-  }
-  // The gate opens at the end of a stage: what was in the box just before is what discharges.
-  if (!curve.mass_kg.empty() && !std::isnan(before)) curve.mass_kg.front() = before;
-  return curve;
-}
-
 }  // namespace
 
 bool Drawdown::is_of(const scene::Case& scene) {
@@ -126,7 +99,7 @@ Measurement Drawdown::measure(const scene::Run& run) const {
   const auto repose =
       heap_angles(silhouette(s.lower, -wall, wall, kColumn_m),
                   {.floor_m = floor, .toe_m = s.largest_diameter_m, .reach_m = wall});
-  const auto flow = discharge_flow(discharge_of(run.series(), opening_time_s(run)),
+  const auto flow = discharge_flow(stage_curve(run, "upper_box", "discharge"),
                                    {.filter_s = 0.0, .window = ShareWindow{kFlowFrom, kFlowTo}});
   m.kpis = {{"shear_angle_deg", shear.mean_deg()},
             {"angle_of_repose_deg", repose.mean_deg()},

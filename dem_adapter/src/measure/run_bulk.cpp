@@ -14,21 +14,11 @@ namespace {
 constexpr double kUnevenHalves = 0.2;
 constexpr double kUnsteady = 0.25;
 
-/// Begin and end of a stage, s.
-std::pair<double, double> span_of(const scene::Run& run, const std::optional<std::string>& name) {
-  const auto& stages = run.summary().stages;
-  if (stages.empty()) throw InputError("the run has no stages");
-  std::vector<std::string> known;
-  for (std::size_t i = 0; i < stages.size(); ++i) {
-    known.push_back(stages[i].name);
-    if (name ? stages[i].name == *name : i + 1 == stages.size())
-      return {i > 0 ? stages[i - 1].time_s : 0.0, stages[i].time_s};
-  }
-  throw InputError(fmt::format("the run has no stage '{}'; it has {}", *name, listed(known)));
-}
-
 /// The part of a box within the domain.
 scene::Region clipped(const scene::Case& scene, scene::Region box) {
+  if (box.cylinder)
+    throw InputError(fmt::format(
+        "region '{}' is a cylinder; bulk density needs a box inside the bed", box.name));
   box.lower = box.lower.cwiseMax(scene.lower_m);
   box.upper = box.upper.cwiseMin(scene.upper_m);
   if (!(box.lower.array() < box.upper.array()).all())
@@ -53,14 +43,31 @@ Density density_in(const Mixture& mixture, const scene::Region& box) {
   return density;
 }
 
-}  // namespace
-
-MassCurve discharge_curve(const scene::Run& run, const std::string& region) {
+void check_region(const scene::Run& run, const std::string& region) {
   std::vector<std::string> known;
   for (const auto& r : run.scene().regions) known.push_back(r.name);
   if (std::find(known.begin(), known.end(), region) == known.end())
     throw InputError(fmt::format("the run has no region '{}'; it has {}", region,
                                  known.empty() ? "none" : listed(known)));
+}
+
+}  // namespace
+
+std::pair<double, double> stage_span(const scene::Run& run,
+                                     const std::optional<std::string>& name) {
+  const auto& stages = run.summary().stages;
+  if (stages.empty()) throw InputError("the run has no stages");
+  std::vector<std::string> known;
+  for (std::size_t i = 0; i < stages.size(); ++i) {
+    known.push_back(stages[i].name);
+    if (name ? stages[i].name == *name : i + 1 == stages.size())
+      return {i > 0 ? stages[i - 1].time_s : 0.0, stages[i].time_s};
+  }
+  throw InputError(fmt::format("the run has no stage '{}'; it has {}", *name, listed(known)));
+}
+
+MassCurve discharge_curve(const scene::Run& run, const std::string& region) {
+  check_region(run, region);
   MassCurve curve{.time_s = run.series().numbers("time_s"),
                   .mass_kg = run.series().numbers("mass_" + region + "_kg")};
   if (curve.mass_kg.empty()) return curve;
@@ -69,6 +76,29 @@ MassCurve discharge_curve(const scene::Run& run, const std::string& region) {
   const auto before = curve.mass_kg.rend() - opened - 1;
   curve.time_s.erase(curve.time_s.begin(), curve.time_s.begin() + before);
   curve.mass_kg.erase(curve.mass_kg.begin(), curve.mass_kg.begin() + before);
+  return curve;
+}
+
+MassCurve stage_curve(const scene::Run& run, const std::string& region, const std::string& stage,
+                      const std::string& material) {
+  check_region(run, region);
+  const auto [from, to] = stage_span(run, stage.empty() ? std::nullopt : std::optional(stage));
+  const double rounding = 1e-9 * std::max(to, 1.0);
+  const auto time = run.series().numbers("time_s");
+  const auto mass = run.series().numbers(
+      material.empty() ? "mass_" + region + "_kg" : "mass_" + region + "_" + material + "_kg");
+  MassCurve curve;
+  std::optional<double> before;
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    if (time[i] < from - rounding) {
+      before = mass[i];
+    } else if (time[i] <= to + rounding) {
+      curve.time_s.push_back(time[i] - from);
+      curve.mass_kg.push_back(mass[i]);
+    }
+  }
+  // An outlet opens at the end of the stage before: what was there just before is what flows.
+  if (!curve.mass_kg.empty() && before) curve.mass_kg.front() = *before;
   return curve;
 }
 
@@ -128,7 +158,7 @@ Measurement measure_bulk_density(const scene::Snapshot& snapshot, const scene::C
 }
 
 Measurement measure_contacts(const scene::Run& run, const std::optional<std::string>& stage) {
-  const auto [from, to] = span_of(run, stage);
+  const auto [from, to] = stage_span(run, stage);
   const auto contacts = run.contacts();
   const auto time = contacts.numbers("time_s");
   const double rounding = 1e-9 * std::max(to, 1.0);

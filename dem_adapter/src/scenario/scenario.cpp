@@ -2,6 +2,8 @@
 
 #include "repose/dem_adapter/command.hpp"
 #include "repose/dem_adapter/drawdown.hpp"
+#include "repose/dem_adapter/rig.hpp"
+#include "repose/dem_adapter/shipped_scenarios.hpp"
 
 namespace repose::dem_adapter {
 
@@ -11,10 +13,13 @@ RunInput input_of(const scene::Case& scene) {
 }
 
 Scenario read_scenario(const TomlTable& table) {
-  // The closed set of templates; one line each.
-  if (table.choice("scenario", {"drawdown", "command"}) == "command")
-    return CommandScenario::read(table);
-  return Drawdown::read(table);
+  std::vector<std::string> known{"rig", "command"};
+  for (const auto& shipped : shipped_scenarios()) known.push_back(shipped.name);
+  const auto name = table.choice("scenario", known);
+  if (name == "rig") return Rig::read(table);
+  if (name == "command") return CommandScenario::read(table);
+  if (name == "drawdown") return Drawdown::read(table);
+  return Rig::read_shipped(name, table);
 }
 
 Scenario read_scenario_file(const std::filesystem::path& path) {

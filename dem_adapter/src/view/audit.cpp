@@ -118,9 +118,12 @@ std::string audit_svg(const View& view, const ViewAngle& angle, const std::strin
         place.column(line->from_m), place.row(line->intercept_m + line->slope * line->from_m),
         place.column(line->to_m), place.row(line->intercept_m + line->slope * line->to_m),
         2.0 * pen);
-  svg += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\">{}: left {:.2f}°, right {:.2f}°</text>\n",
-                     0.5 * text, -0.6 * text, escaped(title), angle.angles.left_deg,
-                     angle.angles.right_deg);
+  const bool is_one_line = angle.measurement.kpis.count("surface_angle_deg") > 0;
+  svg += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\">{}: {}</text>\n", 0.5 * text, -0.6 * text,
+                     escaped(title),
+                     is_one_line ? fmt::format("{:.2f}°", angle.angles.left_deg)
+                                 : fmt::format("left {:.2f}°, right {:.2f}°", angle.angles.left_deg,
+                                               angle.angles.right_deg));
   return svg + "</svg>\n";
 }
 

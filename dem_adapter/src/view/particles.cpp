@@ -30,6 +30,7 @@ Seen seen_of(const scene::Snapshot& snapshot, const ParticleViewOptions& options
   for (std::size_t i = 0; i < snapshot.size(); ++i) {
     if (snapshot.velocity[i].norm() > options.fastest_m_s) continue;
     const auto& x = snapshot.position[i];
+    if (options.region && !scene::is_inside(*options.region, x)) continue;
     const Disc disc{along_y ? x.x() : x.y(), x.z(), snapshot.radius_m[i]};
     const auto outside = [&](double at, const std::optional<double>& from,
                              const std::optional<double>& to) {

@@ -92,6 +92,34 @@ void measure_slopes(const View& view, const EdgeOptions& options, ViewAngle& res
   check_sides(result.angles);
 }
 
+void measure_surface(const View& view, const EdgeOptions& options, ViewAngle& result) {
+  const FittedLine line = fit_line(view.profile, view.left_m, right_m(view), options.fit);
+  if (line.points < kLeastColumns)
+    throw InputError(fmt::format("the surface has {} usable columns, at least {} are needed",
+                                 line.points, kLeastColumns));
+  result.angles = {
+      .left = line, .right = line, .left_deg = line.angle_deg(), .right_deg = line.angle_deg()};
+}
+
+/// The KPI without its unit.
+std::string name_of(EdgeShape shape) {
+  switch (shape) {
+    case EdgeShape::heap:
+      return "angle_of_repose";
+    case EdgeShape::slopes:
+      return "shear_angle";
+    case EdgeShape::surface:
+      return "surface_angle";
+  }
+  throw InputError("the shape of the edge is not known");
+}
+
+void add_line(const std::string& prefix, const FittedLine& line, const View& view, Measurement& m) {
+  m.details[prefix + "columns"] = line.points;
+  m.details[prefix + "outliers"] = line.outliers;
+  m.details[prefix + "rms_" + view.unit] = line.rms_m;
+}
+
 }  // namespace
 
 ViewAngle measure_angle(const View& view, const EdgeOptions& options) {
@@ -101,21 +129,22 @@ ViewAngle measure_angle(const View& view, const EdgeOptions& options) {
                     options.from, options.to));
   ViewAngle result;
   result.floor_m = options.floor_m.value_or(lowest_m(view));
-  const bool is_heap = options.shape == EdgeShape::heap;
-  if (is_heap)
+  if (options.shape == EdgeShape::heap)
     measure_heap(view, options, result);
-  else
+  else if (options.shape == EdgeShape::slopes)
     measure_slopes(view, options, result);
+  else
+    measure_surface(view, options, result);
   auto& m = result.measurement;
-  const std::string name = is_heap ? "angle_of_repose" : "shear_angle";
+  const std::string name = name_of(options.shape);
   m.kpis[name + "_deg"] = result.angles.mean_deg();
-  m.details[name + "_left_deg"] = result.angles.left_deg;
-  m.details[name + "_right_deg"] = result.angles.right_deg;
-  for (const auto& [side, line] :
-       {std::pair("left_", &result.angles.left), std::pair("right_", &result.angles.right)}) {
-    m.details[std::string("edge_") + side + "columns"] = line->points;
-    m.details[std::string("edge_") + side + "outliers"] = line->outliers;
-    m.details[std::string("edge_") + side + "rms_" + view.unit] = line->rms_m;
+  if (options.shape == EdgeShape::surface) {
+    add_line("edge_", result.angles.left, view, m);
+  } else {
+    m.details[name + "_left_deg"] = result.angles.left_deg;
+    m.details[name + "_right_deg"] = result.angles.right_deg;
+    add_line("edge_left_", result.angles.left, view, m);
+    add_line("edge_right_", result.angles.right, view, m);
   }
   m.warnings.insert(m.warnings.begin(), view.warnings.begin(), view.warnings.end());
   return result;

@@ -75,6 +75,7 @@ struct ParticleViewOptions {
   /// Left and right, lower and upper end of what is seen, m; default: all of the particles.
   std::optional<double> left_m{}, right_m{}, bottom_m{}, top_m{};
   double fastest_m_s = 0.2;  ///< faster particles are in flight, no part of the heap
+  std::optional<scene::Region> region{};  ///< only particles with centres in it
 };
 
 /// Components are the materials of the spheres seen; the nearest sphere hides others, the edge is

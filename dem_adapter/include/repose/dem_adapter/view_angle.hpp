@@ -11,8 +11,9 @@
 
 namespace repose::dem_adapter {
 
-/// What the edge of a view is: a heap, or the two slopes beside an outlet.
-enum class EdgeShape { heap, slopes };
+/// What the edge of a view is: a heap, the two slopes beside an outlet, or one slope from side to
+/// side of the view, as the surface of what flows in a drum.
+enum class EdgeShape { heap, slopes, surface };
 
 /// Lengths in m, or pixels where the view has no scale; places as x and z of the view.
 struct EdgeOptions {
@@ -28,11 +29,11 @@ struct EdgeOptions {
 };
 
 struct ViewAngle {
-  /// `angle_of_repose_deg` or `shear_angle_deg`; details are the angle of each side, its columns
-  /// left out as outliers and the root mean square distance from its line, and for heaps height and
-  /// half base (the mean of both sides).
+  /// `angle_of_repose_deg`, `shear_angle_deg` or `surface_angle_deg`; details are the angle of each
+  /// side, its columns left out as outliers and the root mean square distance from its line, and
+  /// for heaps height and half base (the mean of both sides).
   Measurement measurement;
-  EdgeAngles angles;
+  EdgeAngles angles;  ///< of a surface both sides are the one line
   double floor_m = 0.0;
 };
 
