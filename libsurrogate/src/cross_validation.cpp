@@ -211,21 +211,24 @@ CrossValidation cross_validate_fixed(const TrainingSet& data, const Regressor& g
   return result;
 }
 
+TrainingSet with_own_ranges(TrainingSet data, const std::vector<bool>& undeclared) {
+  for (std::size_t k = 0; k < data.inputs.size() && k < undeclared.size(); ++k) {
+    Input& input = data.inputs[k];
+    if (!undeclared[k] || input.is_categorical()) continue;
+    const auto column = data.x.col(static_cast<Eigen::Index>(k));
+    if (!(column.minCoeff() < column.maxCoeff())) continue;
+    input.lower = column.minCoeff();
+    input.upper = column.maxCoeff();
+  }
+  return data;
+}
+
 Trainer with_ranges_of_training_rows(Trainer trainer, std::vector<bool> undeclared) {
   const std::string name = trainer.name;
   return {.name = name,
           .fit = [inner = std::move(trainer.fit), undeclared = std::move(undeclared)](
                      const TrainingSet& data, std::uint64_t seed) {
-            TrainingSet own = data;
-            for (std::size_t k = 0; k < own.inputs.size() && k < undeclared.size(); ++k) {
-              Input& input = own.inputs[k];
-              if (!undeclared[k] || input.is_categorical()) continue;
-              const auto column = own.x.col(static_cast<Eigen::Index>(k));
-              if (!(column.minCoeff() < column.maxCoeff())) continue;
-              input.lower = column.minCoeff();
-              input.upper = column.maxCoeff();
-            }
-            return inner(own, seed);
+            return inner(with_own_ranges(data, undeclared), seed);
           }};
 }
 

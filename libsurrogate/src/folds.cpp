@@ -75,6 +75,10 @@ std::vector<Index> points_of(const TrainingSet& data) {
   return renumbered(keys);
 }
 
+Index number_of_points(const TrainingSet& data) {
+  return data.rows() == 0 ? 0 : count_of(points_of(data));
+}
+
 std::vector<Fold> k_folds(const TrainingSet& data, const KFoldOptions& options) {
   check(data);
   const std::vector<Index> point_of_row = points_of(data);

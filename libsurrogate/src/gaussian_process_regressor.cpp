@@ -40,21 +40,24 @@ const GaussianProcess* gaussian_process(const Regressor& model) {
   return found == nullptr ? nullptr : &found->process();
 }
 
+void refuse_weights(const TrainingSet& data) {
+  if (data.weights.size() > 0)
+    throw InputError("a Gaussian process takes no weights; repeat rows or leave them out");
+}
+
 Trainer gaussian_process_trainer(std::string name, const GaussianProcessOptions& options) {
   if (options.noise == Noise::known)
     throw InputError(
         "known noise variances belong to rows and cannot be settings of a trainer; let the noise "
         "be "
         "estimated or by point");
-  return {
-      std::move(name), [options](const TrainingSet& data, std::uint64_t seed) -> Regressor {
-        check(data);
-        if (data.weights.size() > 0)
-          throw InputError("a Gaussian process takes no weights; repeat rows or leave them out");
-        GaussianProcessOptions o = options;
-        o.seed = seed;
-        return GaussianProcessRegressor(GaussianProcess::fit(data.x, data.y, data.inputs, o));
-      }};
+  return {std::move(name), [options](const TrainingSet& data, std::uint64_t seed) -> Regressor {
+            check(data);
+            refuse_weights(data);
+            GaussianProcessOptions o = options;
+            o.seed = seed;
+            return GaussianProcessRegressor(GaussianProcess::fit(data.x, data.y, data.inputs, o));
+          }};
 }
 
 }  // namespace repose::surrogate

@@ -72,6 +72,11 @@ TrainerOf network(std::vector<int> layers) {
   };
 }
 
+Row process(ModelPreset preset, TrainerOf trainer) {
+  preset.gaussian_process = true;
+  return {std::move(preset), std::move(trainer)};
+}
+
 Row searched(ModelPreset preset, const ModelFamily& family) {
   preset.searched = true;
   return {std::move(preset),
@@ -110,23 +115,24 @@ std::vector<Row> make_rows() {
       {{"boosted-ensemble", kEnsemble, "Boosted"}, boosted},
       {{"bagged-ensemble", kEnsemble, "Bagged"}, bagged},
       searched({"optimisable-ensemble", kEnsemble, "Optimisable (BO)"}, ensemble_family()),
-      {{"exponential-gpr", kGpr, "Kernel = Exponential"}, gpr(Correlation::exponential)},
-      {{"squared-exponential-gpr", kGpr, "Kernel = Squared Exponential"},
-       gpr(Correlation::squared_exponential)},
-      {{"rational-quadratic-gpr", kGpr, "Kernel = Rational Quadratic"},
-       gpr(Correlation::rational_quadratic)},
-      {{"matern52-gpr", kGpr, "Kernel = Matern 5/2"}, gpr(Correlation::matern52)},
-      searched({"optimisable-gpr", kGpr, "Optimisable (BO)"}, gaussian_process_family()),
+      process({"exponential-gpr", kGpr, "Kernel = Exponential"}, gpr(Correlation::exponential)),
+      process({"squared-exponential-gpr", kGpr, "Kernel = Squared Exponential"},
+              gpr(Correlation::squared_exponential)),
+      process({"rational-quadratic-gpr", kGpr, "Kernel = Rational Quadratic"},
+              gpr(Correlation::rational_quadratic)),
+      process({"matern52-gpr", kGpr, "Kernel = Matern 5/2"}, gpr(Correlation::matern52)),
+      searched({"optimisable-gpr", kGpr, "Optimisable (BO)", false, true},
+               gaussian_process_family()),
       {{"narrow-network", kAnn, "One layer [10] neurons"}, network({10})},
       {{"medium-network", kAnn, "One layer [25] neurons"}, network({25})},
       {{"wide-network", kAnn, "One layer [100] neurons"}, network({100})},
       {{"bilayered-network", kAnn, "Two layers [10,10] neurons"}, network({10, 10})},
       {{"trilayered-network", kAnn, "Three layers [10,10,10] neurons"}, network({10, 10, 10})},
       searched({"optimisable-network", kAnn, "Optimisable (BO)"}, perceptron_family()),
-      {{"gpr", "repose", "Gaussian process, default"},
-       [](const std::string& name, const SettingsSearchOptions&) {
-         return gaussian_process_trainer(name);
-       }},
+      process({"gpr", "repose", "Gaussian process, default"},
+              [](const std::string& name, const SettingsSearchOptions&) {
+                return gaussian_process_trainer(name);
+              }),
   };
 }
 
@@ -164,6 +170,7 @@ const Row& row_named(const std::string& name) {
 Trainer trainer_like(std::string name, const GaussianProcess& process) {
   return {std::move(name), [process](const TrainingSet& data, std::uint64_t) -> Regressor {
             check(data);
+            refuse_weights(data);
             return GaussianProcessRegressor(GaussianProcess::with_parameters(
                 data.x, data.y, process.inputs(), process.hyperparameters(),
                 {.kernel = process.kernel(),
@@ -174,6 +181,10 @@ Trainer trainer_like(std::string name, const GaussianProcess& process) {
 }
 
 }  // namespace
+
+const ModelPreset& model_preset(const std::string& name) {
+  return row_named(name).preset;
+}
 
 Trainer preset_trainer(const std::string& name, const SettingsSearchOptions& search) {
   return row_named(name).trainer(name, search);
@@ -190,7 +201,9 @@ PretrainedModel pretrained(const std::string& name, const TrainingSet& data, std
     trainer = row.family.trainer(found.trials[found.best].settings);
   }
   Regressor model = trainer.fit(data, seed);
-  if (const GaussianProcess* process = gaussian_process(model))
+  // without variance, of a constant response, there are no hyper-parameters to keep
+  const GaussianProcess* process = gaussian_process(model);
+  if (process != nullptr && process->hyperparameters().process_variance > 0.0)
     trainer = trainer_like(name, *process);
   return {std::move(model), std::move(trainer)};
 }

@@ -1,8 +1,11 @@
 // repose transfer, as a user runs it.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
 
 #include "program.hpp"
 
@@ -27,6 +30,21 @@ std::string runs(int waiting) {
     csv += "\n";
   }
   return csv;
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+/// The number in a column of a line of CSV, from 0.
+double number_of(const std::string& line, int column) {
+  std::istringstream in(line);
+  std::string cell;
+  for (int k = 0; k <= column; ++k) std::getline(in, cell, ',');
+  return std::stod(cell);
 }
 
 const char* const kTable = " runs.csv --response angle_deg --input mu_s,mu_r --group material ";
@@ -81,10 +99,21 @@ TEST(TransferCommand, WritesAModelOfTheNewGroupThatPredicts) {
     EXPECT_GE(row, 37);
     EXPECT_LE(row, 42);
   }
+  const auto known = lines_of(text_of(bench / "runs.csv"));
   const auto predicted = bench.run("repose", "predict c.h5 runs.csv -o out.csv");
-  EXPECT_EQ(predicted.code, 0) << predicted.err;
-  const auto next = bench.run("repose", "table show next.csv.h5");
-  EXPECT_EQ(next.code, 0) << next.err;
+  ASSERT_EQ(predicted.code, 0) << predicted.err;
+  const auto out = lines_of(text_of(bench / "out.csv"));
+  ASSERT_EQ(out.size(), 43u);
+  const auto at = static_cast<std::ptrdiff_t>(out[0].find("angle_deg_predicted"));
+  const auto place = std::count(out[0].begin(), out[0].begin() + at, ',');
+  for (std::size_t row = 29; row <= 36; ++row)  // c, whose noise is 0.03
+    EXPECT_NEAR(number_of(out[row], static_cast<int>(place)), number_of(known[row], 3), 0.3) << row;
+  const auto exported = bench.run("repose", "table export next.csv.h5 -o next.csv");
+  ASSERT_EQ(exported.code, 0) << exported.err;
+  const auto next = lines_of(text_of(bench / "next.csv"));
+  ASSERT_EQ(next.size(), 4u);
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_EQ(number_of(next[i + 1], 0), number_of(known[result["next"][i].get<std::size_t>()], 0));
   const auto text = bench.run("repose", std::string("transfer") + kTable + "--target c --next 2");
   EXPECT_NE(text.out.find("correlation of its function with the others': "), std::string::npos);
   EXPECT_NE(text.out.find("to simulate next, in this order (rows of the table): "),
@@ -99,6 +128,55 @@ TEST(TransferCommand, ChoosesTheFirstRunsOfAGroupThatHasNone) {
   EXPECT_NE(said.out.find("not known without its rows"), std::string::npos);
 }
 
+/// What is not used may be incomplete: rows without a response matter for --next alone.
+TEST(TransferCommand, LooksAtRowsThatWaitOnlyToChooseAmongThem) {
+  const Workbench bench;
+  std::string csv = "shape,mu_r,material,angle_deg\n";
+  for (int i = 0; i < 24; ++i)
+    csv += std::string(i % 2 ? "round" : "flat") + "," + std::to_string(0.04 * i) + "," +
+           (i < 16 ? "a" : "c") + "," + std::to_string(20.0 + i + 3 * (i % 2)) + "\n";
+  csv += "square,0.5,c,\nround,0.4,,\n";  // rows 25 and 26
+  bench.write("runs.csv", csv);
+  const std::string command =
+      "transfer runs.csv --response angle_deg --input shape,mu_r --group material --target c ";
+  const auto adapted = bench.run("repose", command + "-o c.h5");
+  EXPECT_EQ(adapted.code, 0) << adapted.err;
+  EXPECT_TRUE(std::filesystem::exists(bench / "c.h5"));
+  const auto chosen = bench.run("repose", command + "--next 1");
+  EXPECT_EQ(chosen.code, 3);
+  EXPECT_NE(chosen.err.find("row 25, column shape: 'square' is no level"), std::string::npos)
+      << chosen.err;
+}
+
+TEST(TransferCommand, KeepsLongNamesOfGroupsApart) {
+  const Workbench bench;
+  std::string csv = runs(0);
+  const auto rename = [&csv](const std::string& from, const std::string& to) {
+    for (std::size_t at = csv.find(from); at != std::string::npos;
+         at = csv.find(from, at + to.size()))
+      csv.replace(at, from.size(), to);
+  };
+  rename(",a,", ",layering_mode_1,");
+  rename(",b,", ",layering_mode_2,");
+  rename(",c,", ",Schüttung_é_ö_ü_ß_3,");
+  bench.write("runs.csv", csv);
+  const auto said = bench.run("repose", std::string("transfer") + kTable +
+                                            "--method shift-and-scale --samples 4 --seeds 1");
+  ASSERT_EQ(said.code, 0) << said.err;
+  std::set<std::size_t> widths;  // of the lines up to the number of rows, in characters
+  for (const auto& line : lines_of(said.out)) {
+    for (const char* name : {"layering_mode_1 ", "layering_mode_2 ", "Schüttung_é_ö_ü_ß_3 "})
+      if (line.starts_with(name)) {
+        const std::string margin = line.substr(0, line.find(" 4 ") + 2);
+        widths.insert(static_cast<std::size_t>(std::count_if(
+            margin.begin(), margin.end(), [](unsigned char c) { return (c & 0xC0) != 0x80; })));
+      }
+  }
+  EXPECT_EQ(widths.size(), 1u) << said.out;
+  for (const char* name : {"\nlayering_mode_1 ", "\nlayering_mode_2 ", "\nSchüttung_é_ö_ü_ß_3 "})
+    EXPECT_NE(said.out.find(name), std::string::npos) << said.out;
+}
+
 TEST(TransferCommand, RefusesWhatCannotBeDone) {
   const Workbench bench;
   bench.write("runs.csv", runs(6));
@@ -107,10 +185,16 @@ TEST(TransferCommand, RefusesWhatCannotBeDone) {
     EXPECT_EQ(said.code, code) << arguments << said.err;
     EXPECT_NE(said.err.find(sentence), std::string::npos) << said.err;
   };
-  refused("--input mu_s,mu_r --group material --target z", 3, "has no value 'z'");
-  refused("--input mu_s,mu_r --group material --target c --next 7", 3, "6 rows of c wait");
+  refused("--input mu_s,mu_r --group material --target z -o c.h5", 3, "has no value 'z'");
+  refused("--input mu_s,mu_r --group material --target c -o c.h5 --next 7", 3, "6 rows of c wait");
   refused("--input mu_s,mu_r --group material --next 2", 3, "without --target");
-  refused("--input mu_s,mu_r --group material --target c --seeds 2", 3, "with --target");
+  refused("--input mu_s,mu_r --group material --target c -o c.h5 --seeds 2", 3, "with --target");
+  refused("--input mu_s,mu_r --group material --target c -o c.h5 --next-table next.h5", 3,
+          "without --next");
+  for (const std::string target : {"", "--target c -o c.h5 "})
+    refused("--input mu_s,mu_r --group material " + target +
+                "--model boosted-ensemble --method source-basis",
+            3, "boosted-ensemble is none");
   refused("--input mu_s,mu_r --group material --method magic", 3, "there is no way of transfer");
   refused("--input mu_s,mu_r --group material --samples 99", 3, "none would be left unseen");
   refused("--input mu_s,mu_r --group shape", 3, "shape");

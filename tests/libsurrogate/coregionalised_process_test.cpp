@@ -6,7 +6,7 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
-#include <numbers>
+#include <limits>
 
 #include "repose/base/error.hpp"
 #include "transfer_data.hpp"
@@ -125,38 +125,36 @@ TEST(CoregionalisedProcess, MixesItsRelationsByTheirWeights) {
       1e-12);
 }
 
-/// Weights of the relations anew: divided by the density that each gave to what was left out.
+/// What fit() drops as improbable has a thousandth of the weight: predictions agree to that part of
+/// the spread of what relations predict, within which all responses are.
 TEST(CoregionalisedProcess, LeavesRowsOutAsIfFittedWithoutThem) {
-  const TrainingSet source = sampled(bumps, 18, 0.1, 1), target = sampled(bumps, 7, 0.1, 2);
-  const GaussianProcess process = source_process(source);
-  TaskRelation first = kRelation, second = kRelation;
-  first.weight = 0.6;
-  second.weight = 0.4;
-  second.scale = -0.5;
-  second.noise_variance = 0.1;
-  const std::vector<Eigen::Index> groups{0, 1, 2, 3, 4, 5, 6};
-  const Predictions found =
-      CoregionalisedProcess::with_relations(process, target.x, target.y, {first, second})
-          .leave_groups_out(groups);
-  for (Eigen::Index i = 0; i < 7; ++i) {
-    std::vector<Eigen::Index> others;
-    for (Eigen::Index j = 0; j < 7; ++j)
-      if (j != i) others.push_back(j);
-    const TrainingSet rest = selected_rows(target, others);
-    double sum = 0.0, mean = 0.0, square = 0.0;
-    for (TaskRelation r : {first, second}) {
-      const double weight = std::exchange(r.weight, 1.0);
-      const Predictions p = CoregionalisedProcess::with_relations(process, rest.x, rest.y, {r})
-                                .predict_with_variances(target.x.row(i));
-      const double v = p.observation_variance[0], e = target.y[i] - p.mean[0];
-      const double density = std::exp(-0.5 * e * e / v) / std::sqrt(2.0 * std::numbers::pi * v);
-      sum += weight / density;
-      mean += weight / density * p.mean[0];
-      square += weight / density * (v + p.mean[0] * p.mean[0]);
+  const TrainingSet source = sampled(bumps, 30, 0.05, 1);
+  const GaussianProcess process = GaussianProcess::fit(source.x, source.y, source.inputs);
+  TrainingSet target = sampled(bumps, 8, 0.05, 2);
+  target.y[3] += 3.0;  // relations that the others deem probable are not with this row
+  const double tolerance = 2e-3 * (target.y.maxCoeff() - target.y.minCoeff());
+  for (const std::vector<Eigen::Index>& groups :
+       {std::vector<Eigen::Index>{0, 1, 2, 3, 4, 5, 6, 7}, {5, 5, 2, 2, 9, 9, 9, 4}}) {
+    const auto judged =
+        CoregionalisedProcess::fit_and_leave_out(process, target.x, target.y, groups);
+    EXPECT_EQ(judged.process.predict(source.x),
+              CoregionalisedProcess::fit(process, target.x, target.y).predict(source.x));
+    for (const Eigen::Index group : groups) {
+      std::vector<Eigen::Index> in, out;
+      for (std::size_t i = 0; i < groups.size(); ++i)
+        (groups[i] == group ? out : in).push_back(static_cast<Eigen::Index>(i));
+      const TrainingSet rest = selected_rows(target, in), left = selected_rows(target, out);
+      const Predictions expected =
+          CoregionalisedProcess::fit(process, rest.x, rest.y).predict_with_variances(left.x);
+      for (std::size_t k = 0; k < out.size(); ++k) {
+        const auto i = static_cast<Eigen::Index>(k);
+        EXPECT_NEAR(judged.left_out.mean[out[k]], expected.mean[i], tolerance);
+        EXPECT_NEAR(std::sqrt(judged.left_out.observation_variance[out[k]]),
+                    std::sqrt(expected.observation_variance[i]), tolerance);
+        EXPECT_NEAR(std::sqrt(judged.left_out.function_variance[out[k]]),
+                    std::sqrt(expected.function_variance[i]), tolerance);
+      }
     }
-    mean /= sum;
-    EXPECT_NEAR(found.mean[i], mean, 1e-9);
-    EXPECT_NEAR(found.observation_variance[i], square / sum - mean * mean, 1e-9);
   }
 }
 
@@ -209,9 +207,47 @@ TEST(CoregionalisedProcess, RefusesWhatItCannotUse) {
   const auto positive = GaussianProcess::fit(source.x, source.y.array().exp(), source.inputs,
                                              {.response_scale = ResponseScale::log});
   EXPECT_THROW(CoregionalisedProcess::fit(positive, target.x, target.y), InputError);
-  const std::vector<Eigen::Index> one_group(5, 0);
-  const auto model = CoregionalisedProcess::fit(process, target.x, target.y);
-  EXPECT_TRUE(model.leave_groups_out(one_group).mean.array().isNaN().all());
+  const std::vector<Eigen::Index> one_group(5, 0), few(4, 0);
+  const auto judged = [&](const std::vector<Eigen::Index>& groups) {
+    return CoregionalisedProcess::fit_and_leave_out(process, target.x, target.y, groups).left_out;
+  };
+  EXPECT_TRUE(judged(one_group).mean.array().isNaN().all());
+  EXPECT_THROW(judged(few), InputError);
+  EXPECT_THROW(CoregionalisedProcess::fit(process, target.x, 1e160 * target.y), NumericalError);
+}
+
+TEST(CoregionalisedProcess, RefusesImpossibleRelations) {
+  const TrainingSet source = sampled(bumps, 18, 0.1, 1), target = sampled(bumps, 6, 0.1, 2);
+  const GaussianProcess process = source_process(source);
+  const auto refused = [&](auto change) {
+    TaskRelation r = kRelation;
+    change(r);
+    EXPECT_THROW(CoregionalisedProcess::with_relations(process, target.x, target.y, {r}),
+                 InputError);
+  };
+  refused([](TaskRelation& r) { r = {}; });
+  refused([](TaskRelation& r) { r.correlation = 1.1; });
+  refused([](TaskRelation& r) { r.scale = std::numeric_limits<double>::infinity(); });
+  refused([](TaskRelation& r) { r.own_variance = -0.1; });
+  refused([](TaskRelation& r) { r.shift_deviation = 0.0; });
+  refused([](TaskRelation& r) { r.noise_variance = std::nan(""); });
+  refused([](TaskRelation& r) { r.length_factors = Vector{{1.0}}; });
+  refused([](TaskRelation& r) { r.length_factors = Vector(); });
+  refused([](TaskRelation& r) { r.length_factors[1] = 0.0; });
+  refused([](TaskRelation& r) { r.weight = 0.5; });
+  EXPECT_THROW(CoregionalisedProcess::with_relations(process, target.x, target.y, {}), InputError);
+}
+
+/// Relations are in units of the source's deviation, however small beside its mean.
+TEST(CoregionalisedProcess, DoesNotTakeASourceOfSmallRelativeDeviationForConstant) {
+  const TrainingSet source = sampled(bumps, 30, 0.0, 1), target = sampled(bumps, 6, 0.0, 2);
+  const auto correlation = [&](double level) {
+    const auto process = GaussianProcess::fit(source.x, source.y.array() + level, source.inputs);
+    return CoregionalisedProcess::fit(process, target.x, target.y.array() + level)
+        .correlation()
+        .mean;
+  };
+  EXPECT_NEAR(correlation(1e7), correlation(0.0), 1e-2);
 }
 
 }  // namespace

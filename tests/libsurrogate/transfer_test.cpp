@@ -7,44 +7,31 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numeric>
-#include <set>
+#include <functional>
+#include <limits>
+#include <tuple>
 
-#include "grouped_screening.hpp"
 #include "repose/base/error.hpp"
 #include "repose/surrogate/gaussian_process_regressor.hpp"
 #include "repose/surrogate/model_file.hpp"
-#include "repose/surrogate/transfer_validation.hpp"
+#include "repose/table/io.hpp"
 #include "transfer_data.hpp"
 
 namespace repose::surrogate {
 namespace {
 
 using enum TransferMethod;
+using test::altered;
 using test::bumps;
 using test::sampled;
+using Case = test::TransferCase;
 
 constexpr TransferMethod kAll[] = {retrained,    target_only,    shift_and_scale,
                                    source_basis, coregionalised, weighted};
 
-double altered(const Vector& x) {
-  return 1.0 + 1.5 * bumps(x) + 0.2 * std::cos(4.0 * x[0]);
-}
-
 double unrelated(const Vector& x) {
   return std::cos(8.0 * x[1]) * (x[0] - 0.5);
 }
-
-struct Case {
-  TrainingSet source = sampled(bumps, 40, 0.05, 1);
-  PretrainedModel model = pretrained("gpr", source, 1);
-  TrainingSet target;
-  explicit Case(const test::Function& f = altered, Eigen::Index rows = 8)
-      : target(sampled(f, rows, 0.05, 2)) {}
-  Transfer by(TransferMethod method) const {
-    return transfer(model, source, target, {.method = method});
-  }
-};
 
 double rmse(const Regressor& model, const test::Function& f) {
   const TrainingSet test = sampled(f, 300, 0.0, 9);
@@ -89,14 +76,22 @@ TEST(Transfer, ShiftsAloneBelowFourRows) {
   }
 }
 
+TEST(Transfer, ShiftsAloneBelowFourPointsHoweverOftenRepeated) {
+  Case c(altered, 3);
+  const std::vector<Eigen::Index> twice{0, 1, 2, 0, 1, 2};
+  c.target = selected_rows(c.target, twice);
+  const Vector source = c.model.model.predict(c.target.x);
+  const Vector added = c.by(weighted).model.predict(c.target.x) - source;
+  EXPECT_LT((added.array() - (c.target.y - source).mean()).abs().maxCoeff(), 1e-12);
+}
+
 TEST(Transfer, EveryWayPredictsFromEveryNumberOfRowsItAllows) {
   for (const Eigen::Index rows : {1, 2, 3, 4, 8, 25})
     for (const TransferMethod method : kAll) {
       const Case c(altered, rows);
-      if (rows < 3 && (method == target_only || method == source_basis)) {
-        if (rows == 1) {
-          EXPECT_THROW(c.by(method), InputError) << rows << to_string(method);
-        }
+      // a process needs a point more than coefficients: one, with the source as a function two
+      if (rows < (method == target_only ? 2 : method == source_basis ? 3 : 1)) {
+        EXPECT_THROW(c.by(method), InputError) << rows << to_string(method);
         continue;
       }
       const Transfer found = c.by(method);
@@ -121,6 +116,38 @@ TEST(Transfer, WeightsItsPartsByTheirErrors) {
   EXPECT_NEAR(sum, 1.0, 1e-12);
   for (const TransferPart& a : found.parts)
     for (const TransferPart& b : found.parts)  // mse^(-n/10), 8 rows
+      EXPECT_NEAR(a.weight / b.weight, std::pow(b.left_out_rmse / a.left_out_rmse, 1.6), 1e-9);
+}
+
+/// Two parts predict a constant target exactly, and are not taken for no better than the third.
+TEST(Transfer, WeighsPartsOfAConstantTargetByTheirErrorsToo) {
+  for (const double level : {0.3, 0.0}) {
+    Case c;
+    c.target.y.setConstant(level);
+    const Transfer found = c.by(weighted);
+    const double least = std::max(1e-12 * level * level, std::numeric_limits<double>::min());
+    const auto error = [least](const TransferPart& part) {
+      return std::max(part.left_out_rmse * part.left_out_rmse, least);
+    };
+    double best = 1e300, sum = 0.0;
+    for (const TransferPart& part : found.parts) best = std::min(best, error(part));
+    for (const TransferPart& part : found.parts) sum += std::pow(error(part) / best, -0.8);
+    for (const TransferPart& part : found.parts)
+      EXPECT_NEAR(part.weight, std::pow(error(part) / best, -0.8) / sum, 1e-12) << level;
+    EXPECT_EQ(found.parts[2].method, coregionalised);  // the others find a constant exactly
+    EXPECT_LT(found.parts[2].weight, 0.01) << level;
+    EXPECT_LT((found.model.predict(c.source.x).array() - level).abs().maxCoeff(), 0.01) << level;
+  }
+}
+
+TEST(Transfer, CountsPointsOnceInWeightsHoweverOftenRepeated) {
+  Case c;
+  std::vector<Eigen::Index> twice(16);
+  for (std::size_t i = 0; i < 16; ++i) twice[i] = static_cast<Eigen::Index>(i % 8);
+  c.target = selected_rows(c.target, twice);
+  const Transfer found = c.by(weighted);
+  for (const TransferPart& a : found.parts)
+    for (const TransferPart& b : found.parts)
       EXPECT_NEAR(a.weight / b.weight, std::pow(b.left_out_rmse / a.left_out_rmse, 1.6), 1e-9);
 }
 
@@ -163,14 +190,56 @@ TEST(Transfer, LeavesOutWaysThatCannotBeFittedAndSaysWhy) {
   EXPECT_TRUE(found.model.predict(c.target.x).allFinite());
 }
 
-TEST(Transfer, RefusesOtherInputs) {
-  Case c;
-  c.target.inputs[0] = {.levels = {"a", "b"}};
-  c.target.x.col(0).setZero();
-  EXPECT_THROW(c.by(weighted), InputError);
+std::string refusal_of(const std::function<void()>& f) {
+  try {
+    f();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Transfer, RefusesOtherInputsByTheirNumber) {
+  const std::vector<std::pair<Input, const char*>> others{
+      {{.levels = {"a", "b"}}, "input 1 of the target has another levels"},
+      {{.lower = 0.5}, "input 1 of the target has another range"},
+      {{.lower = 0.1, .scale = Scale::log}, "input 1 of the target has another scale"}};
+  for (const auto& [input, sentence] : others) {
+    Case c;
+    c.target.inputs[0] = input;
+    c.target.x.col(0).setOnes();
+    EXPECT_EQ(refusal_of([&] { c.by(weighted); }).find(sentence), 0u) << sentence;
+  }
+}
+
+TEST(Transfer, RefusesWhatASourceCannotGive) {
+  EXPECT_NE(refusal_of([] {
+              check_possible(source_basis, "boosted-ensemble");
+            }).find("boosted-ensemble is none"),
+            std::string::npos);
+  for (const TransferMethod method : kAll) EXPECT_NO_THROW(check_possible(method, "gpr"));
+  EXPECT_NO_THROW(check_possible(weighted, "boosted-ensemble"));
   EXPECT_THROW(transfer_method_named("magic"), InputError);
   for (const TransferMethod method : kAll)
     EXPECT_EQ(transfer_method_named(to_string(method)), method);
+}
+
+TEST(Transfer, RetrainsAProcessOfAConstantResponse) {
+  Case c(altered, 6);
+  c.source.y.setConstant(1.0);
+  c.model = pretrained("gpr", c.source, 1);
+  const Regressor model = c.by(retrained).model;
+  EXPECT_LT((model.predict(c.source.x) - c.source.y).cwiseAbs().mean(), 0.5);
+  EXPECT_GT((model.predict(c.target.x).array() - 1.0).abs().maxCoeff(), 0.01);
+}
+
+/// The likelihoods of the coregionalised model overflow.
+TEST(Transfer, IsFittedWhereItsCorrelationCannotBe) {
+  Case c;
+  c.target.y *= 1e160;
+  const Transfer found = c.by(shift_and_scale);
+  EXPECT_TRUE(found.model.predict(c.target.x).allFinite());
+  EXPECT_TRUE(std::isnan(found.correlation));
 }
 
 std::filesystem::path file_of_this_test() {
@@ -204,22 +273,53 @@ TEST(TransferFile, GivesBackEveryWayToTheBit) {
   std::filesystem::remove(path);
 }
 
-TEST(FirstTargetRuns, TakeTheRowThatLeavesTheSmallestVariance) {
-  const TrainingSet source = sampled(bumps, 40, 0.05, 1);
-  const auto process = GaussianProcess::fit(source.x, source.y, source.inputs);
-  const Matrix candidates = sampled(bumps, 30, 0.0, 5).x;
-  const auto order = first_target_runs(process, candidates, 30);
-  EXPECT_EQ(std::set<Eigen::Index>(order.begin(), order.end()).size(), 30u);
-  const auto first = first_target_runs(process, candidates, 3);
-  EXPECT_TRUE(std::equal(first.begin(), first.end(), order.begin()));
-  // what is simulated already need not be simulated again: of two equal rows one is worth nothing
-  Matrix twice(31, 2);
-  twice << candidates, candidates.row(order[0]);
-  const auto next = first_target_runs(process, twice, 10, candidates.row(order[0]));
-  EXPECT_EQ(next[0], order[1]);
-  EXPECT_EQ(std::count(next.begin(), next.end(), order[0]), 0);
-  EXPECT_EQ(std::count(next.begin(), next.end(), 30), 0);
-  EXPECT_THROW(first_target_runs(process, candidates, 31), InputError);
+/// Changes one column of one table of the file.
+void damage(const std::filesystem::path& path, const std::string& group, const std::string& column,
+            double value) {
+  const auto attributes = table::read_attributes({path, "/"});
+  std::vector<std::pair<std::string, table::Table>> tables;
+  for (const auto& name : table::list_tables(path)) {
+    table::Table t = table::read_table({path, name}), changed;
+    for (auto c : t.columns()) {
+      if (name == group && c.name == column) c.values = std::vector<double>(t.rows(), value);
+      changed.add(c);
+    }
+    if (!t.columns().empty()) tables.emplace_back(name, changed);
+  }
+  table::write_tables(path, tables, attributes);
+}
+
+TEST(TransferFile, OfImpossibleRelationsIsRefusedByItsName) {
+  const auto path = file_of_this_test();
+  const Regressor model = Case().by(coregionalised).model;
+  const std::vector<std::tuple<const char*, const char*, double>> places{
+      {"/part1/relations", "shift_deviation", 0.0}, {"/part1/relations", "noise_variance", 0.0},
+      {"/part1/relations", "length_factor2", -1.0}, {"/part1/relations", "weight", 0.9},
+      {"/part1/relations", "correlation", 2.0},     {"/parts", "weight", 0.5}};
+  for (const auto& [group, column, value] : places) {
+    save_regressor(path, {model, {"a", "b"}, "y"});
+    damage(path, group, column, value);
+    try {
+      load_regressor(path);
+      ADD_FAILURE() << column;
+    } catch (const StorageError& error) {
+      EXPECT_NE(std::string(error.what()).find(path.string()), std::string::npos) << error.what();
+    }
+  }
+  std::filesystem::remove(path);
+}
+
+TEST(TransferFile, KeepsVariancesThatAreNotKnown) {
+  const auto path = file_of_this_test();
+  Case c(altered, 1);
+  c.model = pretrained("linear-svm", c.source, 1);
+  const Regressor model = c.by(shift_and_scale).model;
+  save_regressor(path, {model, {"a", "b"}, "y"});
+  const Regressor loaded = load_regressor(path).model;
+  EXPECT_EQ(loaded.predict(c.source.x), model.predict(c.source.x));
+  for (const Regressor& m : {model, loaded})
+    EXPECT_TRUE(m.predict_with_variances(c.source.x).observation_variance.array().isNaN().all());
+  std::filesystem::remove(path);
 }
 
 TEST(Joined, KeepsPointsApartAndRepeatsTogether) {
@@ -232,85 +332,12 @@ TEST(Joined, KeepsPointsApartAndRepeatsTogether) {
   EXPECT_TRUE(both.groups.empty());
 }
 
-TransferValidationOptions quick(std::vector<int> samples = {0, 5}) {
-  return {.samples = std::move(samples), .seeds = 2, .folds = 3};
-}
-
-/// Three groups of a function with a shift each.
-TrainingSet three_groups() {
-  TrainingSet data = sampled(bumps, 45, 0.05, 4);
-  for (Eigen::Index i = 0; i < 45; ++i) {
-    data.groups.push_back(i % 3);
-    data.y[i] += static_cast<double>(i % 3);
-  }
-  return data;
-}
-
-TEST(TransferValidation, HasALineForEveryGroupAndNumberOfRows) {
-  const auto result = validate_transfer(three_groups(), quick());
-  ASSERT_EQ(result.scores.size(), 12u);  // methods, groups, numbers
-  ASSERT_EQ(result.means.size(), 4u);
-  for (const TransferScore& s : result.scores) {
-    EXPECT_EQ(s.failure, "");
-    EXPECT_GT(s.unseen.rmse.mean, 0.0);
-    EXPECT_EQ(std::isnan(s.validation.rmse.mean), s.method != retrained);
-    EXPECT_EQ(std::isnan(s.correlation.mean), s.samples == 0);
-  }
-  double mean = 0.0;
-  for (const TransferScore& s : result.scores)
-    if (s.method == weighted && s.samples == 5) mean += s.unseen.rmse.mean / 3.0;
-  EXPECT_NEAR(result.means[3].unseen.rmse.mean, mean, 1e-12);
-  EXPECT_EQ(result.means[3].samples, 5);
-  EXPECT_GT(result.all_seen.rmse.mean, 0.0);
-}
-
-TEST(TransferValidation, DoesNotDependOnTheNumberOfThreads) {
-  TransferValidationOptions options = quick();
-  const auto one = validate_transfer(three_groups(), options);
-  options.threads = 3;
-  const auto three = validate_transfer(three_groups(), options);
-  for (std::size_t i = 0; i < one.scores.size(); ++i)
-    EXPECT_EQ(one.scores[i].unseen.rmse.mean, three.scores[i].unseen.rmse.mean);
-  EXPECT_EQ(one.all_seen.rmse.mean, three.all_seen.rmse.mean);
-}
-
-/// With all responses of a group 1000 larger, what is predicted from the others stays: every error
-/// is 1000 larger, and their root mean square 1000 up to the root mean square before.
-TEST(TransferValidation, DoesNotSeeTheRowsItIsJudgedBy) {
-  TrainingSet data = three_groups();
-  TransferValidationOptions options = quick({0});
-  options.methods = {retrained};
-  const TransferScore before = validate_transfer(data, options).scores[2];
-  for (Eigen::Index i = 2; i < 45; i += 3) data.y[i] += 1000.0;
-  const TransferScore after = validate_transfer(data, options).scores[2];
-  EXPECT_LE(std::abs(after.unseen.rmse.mean - 1000.0), before.unseen.rmse.mean);
-  EXPECT_EQ(before.validation.rmse.mean, after.validation.rmse.mean);
-}
-
-TEST(TransferValidation, SaysWhichGroupsAreTooSmall) {
-  TrainingSet data = three_groups();
-  data.groups[0] = 7;  // one row
-  const auto result = validate_transfer(data, quick({0, 5}));
-  const auto small = std::find_if(result.scores.begin(), result.scores.end(),
-                                  [](const auto& s) { return s.group == 7 && s.samples == 5; });
-  ASSERT_NE(small, result.scores.end());
-  EXPECT_EQ(small->failure, "it has 1 rows: none are left unseen");
-  EXPECT_TRUE(std::isnan(small->unseen.rmse.mean));
-  EXPECT_THROW(validate_transfer(data, quick({20})), InputError);
-  EXPECT_THROW(validate_transfer(data, quick({})), InputError);
-  std::fill(data.groups.begin(), data.groups.end(), 1);
-  EXPECT_THROW(validate_transfer(data, quick()), InputError);
-}
-
-TEST(TransferValidation, GainsFromRowsOnTheTableOfTheThesis) {
-  TransferValidationOptions options = quick({0, 10});
-  options.methods = {weighted};
-  options.order = TransferValidationOptions::Order::variance;
-  options.seeds = 1;
-  options.threads = 0;
-  const auto result = validate_transfer(test::grouped_screening(1).data, options);
-  EXPECT_LT(result.means[1].unseen.rmse.mean, 0.5 * result.means[0].unseen.rmse.mean);
-  EXPECT_GT(result.means[1].correlation.mean, 0.7);
+TEST(Joined, CountsRowsWithoutWeightsOnce) {
+  TrainingSet a = sampled(bumps, 3, 0.0, 1), b = sampled(bumps, 2, 0.0, 2);
+  EXPECT_EQ(joined(a, b).weights.size(), 0);
+  b.weights = Vector{{2.0, 3.0}};
+  EXPECT_EQ(joined(a, b).weights, (Vector{{1.0, 1.0, 1.0, 2.0, 3.0}}));
+  EXPECT_EQ(joined(b, a).weights, (Vector{{2.0, 3.0, 1.0, 1.0, 1.0}}));
 }
 
 }  // namespace

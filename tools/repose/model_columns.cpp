@@ -40,14 +40,15 @@ surrogate::Input number(const table::Table& table, const table::Column& column, 
 }
 
 Vector level_numbers(const table::Table& table, const std::string& name,
-                     const surrogate::Input& input) {
+                     const surrogate::Input& input, const std::vector<std::size_t>& rows) {
   const auto& values = table.texts(name);
   Vector numbers(static_cast<Eigen::Index>(values.size()));
   for (std::size_t i = 0; i < values.size(); ++i) {
     const auto found = std::find(input.levels.begin(), input.levels.end(), values[i]);
     if (found == input.levels.end())
-      throw InputError(fmt::format("row {}, column {}: '{}' is no level; the model knows {}", i + 1,
-                                   name, values[i], fmt::join(input.levels, ", ")));
+      throw InputError(fmt::format("row {}, column {}: '{}' is no level; the model knows {}",
+                                   (rows.empty() ? i : rows[i]) + 1, name, values[i],
+                                   fmt::join(input.levels, ", ")));
     numbers[static_cast<Eigen::Index>(i)] = static_cast<double>(found - input.levels.begin());
   }
   return numbers;
@@ -73,12 +74,13 @@ std::vector<surrogate::Input> inputs_from_columns(const table::Table& table,
 }
 
 Matrix input_matrix(const table::Table& table, const std::vector<std::string>& names,
-                    const std::vector<surrogate::Input>& inputs) {
+                    const std::vector<surrogate::Input>& inputs,
+                    const std::vector<std::size_t>& numbers) {
   Matrix x(static_cast<Eigen::Index>(table.rows()), static_cast<Eigen::Index>(names.size()));
   for (std::size_t k = 0; k < names.size(); ++k) {
     auto column = x.col(static_cast<Eigen::Index>(k));
     if (inputs[k].is_categorical()) {
-      column = level_numbers(table, names[k], inputs[k]);
+      column = level_numbers(table, names[k], inputs[k], numbers);
       continue;
     }
     const auto values = table.numbers(names[k]);
@@ -87,13 +89,16 @@ Matrix input_matrix(const table::Table& table, const std::vector<std::string>& n
   return x;
 }
 
-std::vector<std::string> labels_of(const table::Table& table, const std::string& name) {
+std::vector<std::string> known_labels_of(const table::Table& table, const std::string& name) {
+  if (is_text(table.column(name))) return table.texts(name);
   std::vector<std::string> labels;
-  if (is_text(table.column(name)))
-    labels = table.texts(name);
-  else
-    for (const double value : table.numbers(name))
-      labels.push_back(std::isnan(value) ? "" : shortest(value));
+  for (const double value : table.numbers(name))
+    labels.push_back(std::isnan(value) ? "" : shortest(value));
+  return labels;
+}
+
+std::vector<std::string> labels_of(const table::Table& table, const std::string& name) {
+  auto labels = known_labels_of(table, name);
   if (const auto missing = std::count(labels.begin(), labels.end(), ""); missing > 0)
     throw InputError(
         fmt::format("column {} has no value in {} of {} rows that are used; give each row one, or "

@@ -17,11 +17,14 @@ std::vector<surrogate::Input> inputs_from_columns(const table::Table& table,
                                                   surrogate::Coding coding);
 
 /// rows x d values of the inputs, levels as their numbers. Throws InputError on a level the model
-/// does not know.
+/// does not know. `numbers`: of rows that are selected ones of another table, from 0, for messages.
 Matrix input_matrix(const table::Table& table, const std::vector<std::string>& names,
-                    const std::vector<surrogate::Input>& inputs);
+                    const std::vector<surrogate::Input>& inputs,
+                    const std::vector<std::size_t>& numbers = {});
 
-/// A column's values, numbers as text. Throws InputError where one is missing.
+/// A column's values, numbers as text, "" where one is missing.
+std::vector<std::string> known_labels_of(const table::Table& table, const std::string& name);
+/// The same; throws InputError where one is missing.
 std::vector<std::string> labels_of(const table::Table& table, const std::string& name);
 
 }  // namespace repose::cli

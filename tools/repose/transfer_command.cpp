@@ -46,12 +46,33 @@ int decimals_of(const surrogate::TransferValidation& v) {
   return std::clamp(2 - static_cast<int>(std::floor(std::log10(smallest))), 0, 9);
 }
 
-/// A "±" is two bytes and one column.
-std::string right(const std::string& text, std::size_t width) {
-  const auto columns =
-      text.size() - static_cast<std::size_t>(std::count(text.begin(), text.end(), '\xc2'));
-  return std::string(width > columns ? width - columns : 1, ' ') + text;
+/// Characters of UTF-8.
+std::size_t width_of(const std::string& text) {
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](unsigned char c) { return (c & 0xC0) != 0x80; }));
 }
+
+/// A figure's column.
+std::string right(const std::string& text) {
+  constexpr std::size_t kWidth = 20;
+  const std::size_t width = width_of(text);
+  return std::string(width < kWidth ? kWidth - width : 1, ' ') + text;
+}
+
+/// The columns before the figures: a name and a number of rows.
+class Margin {
+ public:
+  explicit Margin(const TrainingTable& table) {
+    for (const auto& name : table.group_names) width_ = std::max(width_, width_of(name) + 1);
+  }
+  std::string operator()(const std::string& name, const std::string& rows = "") const {
+    return name + std::string(width_ - std::min(width_, width_of(name)), ' ') +
+           fmt::format("{:>5}", rows);
+  }
+
+ private:
+  std::size_t width_ = 14;  // "all were seen"
+};
 
 std::string name_of(const surrogate::TransferScore& score, const TrainingTable& table) {
   return score.group < 0 ? "mean" : table.group_names[static_cast<std::size_t>(score.group)];
@@ -60,29 +81,30 @@ std::string name_of(const surrogate::TransferScore& score, const TrainingTable& 
 void print_errors(const std::vector<const surrogate::TransferScore*>& scores,
                   const surrogate::SpreadMetrics& all_seen, const TrainingTable& table,
                   int decimals) {
-  fmt::print("{:<12}{:>5}{:>20}{:>20}{:>20}{:>20}\n", "unseen", "rows", "RMSE validation",
-             "RMSE unseen", "MAE validation", "MAE unseen");
-  fmt::print("{:<17}{}{}{}\n", "all were seen", right(with_deviation(all_seen.rmse, decimals), 20),
-             std::string(20, ' '), right(with_deviation(all_seen.mae, decimals), 20));
+  const Margin margin(table);
+  fmt::print("{}{}{}{}{}\n", margin("unseen", "rows"), right("RMSE validation"),
+             right("RMSE unseen"), right("MAE validation"), right("MAE unseen"));
+  fmt::print("{}{}{}{}\n", margin("all were seen"), right(with_deviation(all_seen.rmse, decimals)),
+             right(""), right(with_deviation(all_seen.mae, decimals)));
   for (const auto* s : scores)
-    fmt::print("{:<12}{:>5}{}{}{}{}\n", name_of(*s, table).substr(0, 11), s->samples,
-               right(with_deviation(s->validation.rmse, decimals), 20),
-               right(with_deviation(s->unseen.rmse, decimals), 20),
-               right(with_deviation(s->validation.mae, decimals), 20),
-               right(with_deviation(s->unseen.mae, decimals), 20));
+    fmt::print("{}{}{}{}{}\n", margin(name_of(*s, table), std::to_string(s->samples)),
+               right(with_deviation(s->validation.rmse, decimals)),
+               right(with_deviation(s->unseen.rmse, decimals)),
+               right(with_deviation(s->validation.mae, decimals)),
+               right(with_deviation(s->unseen.mae, decimals)));
 }
 
 void print_agreement(const std::vector<const surrogate::TransferScore*>& scores,
                      const surrogate::SpreadMetrics& all_seen, const TrainingTable& table) {
-  fmt::print("{:<12}{:>5}{:>20}{:>20}{:>20}{:>20}\n", "unseen", "rows", "R2 validation",
-             "R2 unseen", "corr^2 unseen", "correlation");
-  fmt::print("{:<17}{}\n", "all were seen", right(with_deviation(all_seen.r2, 2), 20));
+  const Margin margin(table);
+  fmt::print("{}{}{}{}{}\n", margin("unseen", "rows"), right("R2 validation"), right("R2 unseen"),
+             right("corr^2 unseen"), right("correlation"));
+  fmt::print("{}{}\n", margin("all were seen"), right(with_deviation(all_seen.r2, 2)));
   for (const auto* s : scores)
-    fmt::print("{:<12}{:>5}{}{}{}{}\n", name_of(*s, table).substr(0, 11), s->samples,
-               right(with_deviation(s->validation.r2, 2), 20),
-               right(with_deviation(s->unseen.r2, 2), 20),
-               right(with_deviation(s->unseen.squared_correlation, 2), 20),
-               right(with_deviation(s->correlation, 2), 20));
+    fmt::print("{}{}{}{}{}\n", margin(name_of(*s, table), std::to_string(s->samples)),
+               right(with_deviation(s->validation.r2, 2)), right(with_deviation(s->unseen.r2, 2)),
+               right(with_deviation(s->unseen.squared_correlation, 2)),
+               right(with_deviation(s->correlation, 2)));
 }
 
 void print_text(const TransferCliOptions& options, const TrainingTable& table,
@@ -105,6 +127,8 @@ void print_text(const TransferCliOptions& options, const TrainingTable& table,
         fmt::print("{}", described(fmt::format("{}, {} rows", name_of(*s, table), s->samples),
                                    s->failure));
   }
+  if (!v.all_seen_failure.empty())
+    fmt::print("{}", described("all were seen, validation", v.all_seen_failure));
   fmt::print(
       "validation: rows left out in {} folds of those it was fitted to; unseen: rows of the group\n"
       "that were not given. R2 is negative where the mean would be better; corr^2 forgives a "
@@ -132,6 +156,7 @@ nlohmann::json to_json(const surrogate::TransferScore& s, const TrainingTable& t
           {"validation", to_json(s.validation)},
           {"unseen", to_json(s.unseen)},
           {"correlation", to_json(s.correlation)},
+          {"averaged", s.averaged},
           {"failure", s.failure}};
 }
 
@@ -143,6 +168,7 @@ void try_out(TransferCliOptions& options, const TrainingTable& table) {
                     options.columns.group));
   ProgressDisplay display("groups and seeds", options.common.progress_style());
   options.validation.progress = display.callback();
+  options.validation.undeclared = table.undeclared;
   const auto result = surrogate::validate_transfer(table.data, options.validation);
   display.finish();
   if (!options.common.json) return print_text(options, table, result);
@@ -153,6 +179,7 @@ void try_out(TransferCliOptions& options, const TrainingTable& table) {
                                     {"model", options.validation.model},
                                     {"seeds", options.validation.seeds},
                                     {"all_seen", to_json(result.all_seen)},
+                                    {"all_seen_failure", result.all_seen_failure},
                                     {"scores", std::move(scores)},
                                     {"means", std::move(means)}}
                          .dump(2));
@@ -162,20 +189,33 @@ void try_out(TransferCliOptions& options, const TrainingTable& table) {
 struct Waiting {
   std::vector<std::size_t> rows;  ///< of the table, from 0
   table::Table table;
-  Matrix x;
+  Matrix x;  ///< where --next asks for some
 };
+
+/// Throws InputError naming a row of the table where a value is missing.
+void check_values(const Waiting& waiting, const TrainingTable& training) {
+  for (Eigen::Index i = 0; i < waiting.x.rows(); ++i)
+    for (Eigen::Index k = 0; k < waiting.x.cols(); ++k)
+      if (!std::isfinite(waiting.x(i, k)))
+        throw InputError(
+            fmt::format("row {}, column {} is {}; a row that could be simulated needs all inputs: "
+                        "fill it in or take the row out",
+                        waiting.rows[static_cast<std::size_t>(i)] + 1,
+                        training.inputs[static_cast<std::size_t>(k)], waiting.x(i, k)));
+}
 
 Waiting waiting_rows(const TransferCliOptions& options, const TrainingTable& training) {
   const auto all =
       table::read_table(table::parse_location(options.columns.table), table::Missing::allow);
-  const auto groups = labels_of(all, options.columns.group);
+  const auto groups = known_labels_of(all, options.columns.group);
   const auto y = all.numbers(options.columns.response);
   Waiting waiting;
   for (std::size_t i = 0; i < groups.size(); ++i)
     if (groups[i] == options.target && std::isnan(y[i])) waiting.rows.push_back(i);
+  if (options.next == 0 || waiting.rows.empty()) return waiting;
   waiting.table = all.selected_rows(waiting.rows);
-  if (!waiting.rows.empty())
-    waiting.x = input_matrix(waiting.table, training.inputs, training.data.inputs);
+  waiting.x = input_matrix(waiting.table, training.inputs, training.data.inputs, waiting.rows);
+  check_values(waiting, training);
   return waiting;
 }
 
@@ -195,7 +235,11 @@ Split split(const TransferCliOptions& options, const TrainingTable& table) {
         fmt::format("all rows with a response belong to {}; there is nothing to "
                     "transfer from",
                     options.target));
-  return {selected_rows(table.data, source), selected_rows(table.data, target)};
+  // ranges as when it was tried out: those of the configurations known
+  Split rows{with_own_ranges(selected_rows(table.data, source), table.undeclared),
+             selected_rows(table.data, target)};
+  rows.target.inputs = rows.source.inputs;
+  return rows;
 }
 
 std::vector<Eigen::Index> choose_next(const TransferCliOptions& options,
@@ -224,8 +268,13 @@ void adapt(TransferCliOptions& options, const TrainingTable& table) {
   if (rows.target.rows() == 0 && waiting.rows.empty())
     throw InputError(fmt::format("column {} has no value '{}'; there are {}", options.columns.group,
                                  options.target, fmt::join(table.group_names, ", ")));
-  const auto& v = options.validation;
+  auto& v = options.validation;
+  check_possible(v.methods.front(), v.model);
+  ProgressDisplay display("settings", options.common.progress_style());
+  v.search.threads = v.threads;
+  v.search.progress = display.callback();
   const auto model = surrogate::pretrained(v.model, rows.source, v.seed, v.search);
+  display.finish();
   const auto found = surrogate::transfer(model, rows.source, rows.target,
                                          {.method = v.methods.front(), .seed = v.seed});
   const auto next = choose_next(options, model, rows, waiting);
@@ -294,6 +343,8 @@ void run(const CLI::App& command, TransferCliOptions options) {
                    "with --target, whose rows with a response are used");
     if (options.methods.empty()) v.methods = {surrogate::TransferMethod::weighted};
     if (v.methods.size() > 1) throw UsageError("--target takes one --method");
+    if (options.next == 0)
+      refuse_options(command, {"--next-table"}, "without --next, how many rows to choose");
   } else {
     refuse_options(command, {"--output", "--next", "--next-table"},
                    "without --target, the new group");
@@ -345,7 +396,10 @@ void add_transfer(CLI::App& app) {
   command->add_option("--optimise", o->optimise, "settings tried by models that search them")
       ->capture_default_str()
       ->check(CLI::Range(2, 100000));
-  command->add_option("--threads", v.threads, "0: one for each processor")->default_val(0u);
+  command
+      ->add_option("--threads", v.threads,
+                   "0: one for each processor; with --target those of a search")
+      ->default_val(0u);
   command->add_option("--seed", v.seed)->capture_default_str();
   command->callback([o, command] { run(*command, *o); });
 }

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -27,13 +26,6 @@ class StepCounter {
   ProgressDisplay display_;
 };
 
-bool searches(const std::string& model) {
-  const auto& presets = surrogate::model_presets();
-  const auto found = std::find_if(presets.begin(), presets.end(),
-                                  [&](const auto& preset) { return preset.name == model; });
-  return found != presets.end() && found->searched;
-}
-
 }  // namespace
 
 surrogate::Trainer trainer_of(const std::string& model, const TrainingTable& table,
@@ -49,7 +41,7 @@ std::vector<surrogate::CrossValidation> validate(const TrainingTable& table,
   double total = 0.0;
   for (const auto& model : options.models)
     total += static_cast<double>(folds.size()) *
-             (1.0 + (searches(model) ? options.search.evaluations : 0));
+             (1.0 + (surrogate::model_preset(model).searched ? options.search.evaluations : 0));
   StepCounter counter(total, style);
   std::vector<surrogate::Trainer> trainers;
   for (const auto& model : options.models) {

@@ -4,8 +4,6 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
-#include <boost/math/special_functions/erf.hpp>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -14,109 +12,27 @@
 
 #include "prior_covariance.hpp"
 #include "repose/base/error.hpp"
-#include "repose/doe/space_filling.hpp"
+#include "repose/surrogate/gaussian_process_regressor.hpp"
+#include "task_relations.hpp"
 
 namespace repose::surrogate {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr Eigen::Index kPriorPoints = 1024;
-constexpr double kSmallestDiscrepancy = 1e-3;  // 1 - rho^2, of functions much alike
-constexpr double kNoiseDeviation = 0.7;        // of logarithms
-constexpr double kFactorDeviation = 1.2;
-constexpr double kMedianFactor = 2.0;
-constexpr Eigen::Index kSpreadPoints = 32;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kImprobable = 1e-3;
-constexpr Eigen::Index kBlock = 256;  // rows predicted at once
-
-/// How much alike two functions may be: standard deviations of the shift, in those of the source,
-/// and of log s.
-struct Likeness {
-  enum class Correlation { high, any, none } correlation;
-  double shift_deviation;
-  double ratio_deviation;
-};
-constexpr std::array<Likeness, 4> kLikeness{{{Likeness::Correlation::high, 0.2, 0.1},
-                                             {Likeness::Correlation::high, 1.0, 0.5},
-                                             {Likeness::Correlation::any, 1.0, 0.5},
-                                             {Likeness::Correlation::none, 3.0, 0.7}}};
-
-/// rho from u in (0, 1).
-double correlation_of(const Likeness& likeness, double u) {
-  switch (likeness.correlation) {
-    case Likeness::Correlation::high:
-      return std::sqrt(1.0 - std::pow(kSmallestDiscrepancy, u));
-    case Likeness::Correlation::any:
-      return 2.0 * u - 1.0;
-    case Likeness::Correlation::none:
-      break;
-  }
-  return 0.0;
-}
-
-double normal_quantile(double p) {
-  return -std::numbers::sqrt2 * boost::math::erfc_inv(2.0 * p);
-}
-
-Vector means(const std::vector<Gaussian>& predictions) {
-  Vector mean(static_cast<Eigen::Index>(predictions.size()));
-  for (Eigen::Index i = 0; i < mean.size(); ++i)
-    mean[i] = predictions[static_cast<std::size_t>(i)].mean;
-  return mean;
-}
-
-/// 1 - mean correlation: of a process' variance, what is expected over these points.
-double expected_spread(const GaussianProcess& process, const Matrix& points,
-                       const Vector& length_factors) {
-  return std::max(1e-12, 1.0 - prior_correlation(process, points, points, length_factors).mean());
-}
-
-/// At most `count` of the rows, evenly.
-Matrix some_rows(const Matrix& x, Eigen::Index count) {
-  const Eigen::Index n = std::min(count, x.rows());
-  Matrix some(n, x.cols());
-  for (Eigen::Index i = 0; i < n; ++i) some.row(i) = x.row(i * x.rows() / n);
-  return some;
-}
-
-/// The prior by points of equal weight, which are left open. `noise` is the source's;
-/// `else_variance` stands for the variance of a source that is constant.
-std::vector<TaskRelation> possible_relations(const GaussianProcess& source, double noise,
-                                             double else_variance) {
-  const Vector mean = means(source.predict_rows(source.points()));
-  const double own = (mean.array() - mean.mean()).square().mean();
-  const double variance = own > 1e-12 * mean.cwiseAbs2().mean() ? own : else_variance;
-  const Matrix points = some_rows(source.points(), kSpreadPoints);
-  const Eigen::Index scales = source.hyperparameters().length_scales.size();
-  const Matrix u = doe::sobol_points(kPriorPoints, 3 + scales);
-  constexpr auto kEach = kPriorPoints / static_cast<Eigen::Index>(kLikeness.size());
-  std::vector<TaskRelation> relations;
-  for (Eigen::Index i = 0; i < kPriorPoints; ++i) {  // each part is a net by itself
-    const Likeness& likeness = kLikeness[static_cast<std::size_t>(i / kEach)];
-    const double rho = correlation_of(likeness, u(i, 0));
-    const double ratio = std::exp(likeness.ratio_deviation * normal_quantile(u(i, 1)));
-    TaskRelation r{.correlation = rho, .scale = rho * ratio, .length_factors = Vector(scales)};
-    for (Eigen::Index k = 0; k < scales; ++k)
-      r.length_factors[k] =
-          kMedianFactor * std::exp(kFactorDeviation * normal_quantile(u(i, 3 + k)));
-    r.own_variance = (1.0 - rho * rho) * ratio * ratio * variance /
-                     expected_spread(source, points, r.length_factors);
-    r.shift_deviation = likeness.shift_deviation * std::sqrt(variance);
-    r.noise_variance = std::exp(kNoiseDeviation * normal_quantile(u(i, 2))) * noise;
-    relations.push_back(std::move(r));
-  }
-  return relations;
-}
+constexpr double kSumTolerance = 1e-9;  // of weights
+constexpr Eigen::Index kBlock = 256;    // rows predicted at once
 
 /// The target's data under one relation: C = L L^T at known b, precision 1^T C^-1 1 + 1/t^2.
 struct Fitted {
   bool possible = false;
   Matrix l;
-  Vector l_one;                                                      ///< L^-1 1
-  double precision = 0;                                              ///< of b
-  double shift = 0;                                                  ///< its mean
-  Vector weights;                                                    ///< C^-1 (rest - shift)
-  double log_likelihood = -std::numeric_limits<double>::infinity();  ///< b integrated out
+  Vector l_one;                        ///< L^-1 1
+  double precision = 0;                ///< of b
+  double shift = 0;                    ///< its mean
+  Vector weights;                      ///< C^-1 (rest - shift)
+  double log_likelihood = -kInfinity;  ///< b integrated out
 
   Fitted(const Matrix& covariance, const Vector& rest, double shift_deviation) {
     const Eigen::LLT<Matrix> llt(covariance);
@@ -175,7 +91,7 @@ std::vector<std::vector<Eigen::Index>> rows_by_group(std::span<const Eigen::Inde
 struct Omitted {
   Vector residual;
   Matrix covariance;
-  double log_density = -std::numeric_limits<double>::infinity();
+  double log_density = -kInfinity;
 
   Omitted(const Matrix& q, const Vector& qy, const std::vector<Eigen::Index>& rows) {
     const Eigen::LLT<Matrix> llt(Matrix(q(rows, rows)));
@@ -189,6 +105,95 @@ struct Omitted {
                   0.5 * static_cast<double>(m) * std::log(2.0 * std::numbers::pi);
   }
 };
+
+/// Each row by the rows of the other groups, of one relation after another; a relation's weight is
+/// the likelihood that it gives those other rows.
+class LeftOutRows {
+ public:
+  LeftOutRows(std::span<const Eigen::Index> groups, Eigen::Index relations)
+      : rows_(static_cast<Eigen::Index>(groups.size())), groups_(rows_by_group(groups)) {
+    if (groups_.size() < 2) groups_.clear();
+    log_weights_.assign(groups_.size(), Vector::Constant(relations, -kInfinity));
+    mean_ = variance_ = Matrix::Zero(groups_.empty() ? 0 : rows_, relations);
+    noise_ = Vector::Zero(relations);
+  }
+
+  void add(Eigen::Index k, const Fitted& f, const Vector& y, double noise_variance) {
+    if (groups_.empty()) return;
+    noise_[k] = noise_variance;
+    const Matrix inverse = f.l.triangularView<Eigen::Lower>().solve(Matrix::Identity(rows_, rows_));
+    const Vector c_one = inverse.transpose() * f.l_one;
+    const Matrix q = inverse.transpose() * inverse - c_one * c_one.transpose() / f.precision;
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      const Omitted omitted(q, f.weights, groups_[g]);
+      if (!std::isfinite(omitted.log_density)) continue;
+      log_weights_[g][k] = f.log_likelihood - omitted.log_density;
+      mean_(groups_[g], k) = y(groups_[g]) - omitted.residual;
+      variance_(groups_[g], k) = omitted.covariance.diagonal();
+    }
+  }
+
+  Predictions predictions() {
+    const Vector unknown = Vector::Constant(rows_, kNaN);
+    Predictions result{unknown, unknown, unknown};
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      Vector& weights = log_weights_[g];
+      normalise(weights);
+      for (const Eigen::Index i : groups_[g]) {
+        const Vector m = mean_.row(i), v = variance_.row(i);
+        result.mean[i] = weights.dot(m);
+        result.observation_variance[i] =
+            weights.dot(v + (m.array() - result.mean[i]).square().matrix());
+        result.function_variance[i] =
+            std::max(0.0, result.observation_variance[i] - weights.dot(noise_));
+      }
+    }
+    return result;
+  }
+
+ private:
+  Eigen::Index rows_;
+  std::vector<std::vector<Eigen::Index>> groups_;
+  std::vector<Vector> log_weights_;  ///< of each group, by relation
+  Matrix mean_, variance_;           ///< row by relation; of observations
+  Vector noise_;
+};
+
+/// Throws InputError naming the first that is impossible.
+void check_relations(const std::vector<TaskRelation>& relations, Eigen::Index scales) {
+  if (relations.empty())
+    throw InputError("no relation of the target to the source; there must be one at least");
+  double sum = 0.0;
+  for (std::size_t k = 0; k < relations.size(); ++k) {
+    const TaskRelation& r = relations[k];
+    const auto require = [k](bool holds, const char* what, double value, const char* allowed) {
+      if (!holds)
+        throw InputError(
+            fmt::format("relation {}: {} is {}; it must be {}", k + 1, what, value, allowed));
+    };
+    const auto finite = [](double v) { return v < kInfinity; };  // of positive ones, false for NaN
+    require(std::abs(r.correlation) <= 1.0, "correlation", r.correlation, "in [-1, 1]");
+    require(finite(std::abs(r.scale)), "scale", r.scale, "finite");
+    require(r.own_variance >= 0.0 && finite(r.own_variance), "own_variance", r.own_variance,
+            "0 or positive");
+    require(r.shift_deviation > 0.0 && finite(r.shift_deviation), "shift_deviation",
+            r.shift_deviation, "positive");
+    require(r.noise_variance > 0.0 && finite(r.noise_variance), "noise_variance", r.noise_variance,
+            "positive");
+    require(r.weight >= 0.0 && r.weight <= 1.0 + kSumTolerance, "weight", r.weight, "in [0, 1]");
+    if (r.length_factors.size() != scales)
+      throw InputError(
+          fmt::format("relation {} has {} length factors; the source has {} length "
+                      "scales",
+                      k + 1, r.length_factors.size(), scales));
+    for (const double factor : r.length_factors)
+      require(factor > 0.0 && finite(factor), "a length factor", factor, "positive");
+    sum += r.weight;
+  }
+  if (!(std::abs(sum - 1.0) <= kSumTolerance))
+    throw InputError(
+        fmt::format("weights of {} relations sum to {}; it must be 1", relations.size(), sum));
+}
 
 }  // namespace
 
@@ -215,7 +220,9 @@ struct CoregionalisedProcess::State {
     for (const TaskRelation& r : relations) {
       fitted.push_back(fit(r));
       if (!fitted.back().possible)
-        throw NumericalError("the covariance of the target's rows is singular");
+        throw NumericalError(fmt::format(
+            "the covariance of the target's {} rows is singular at a noise variance of {:.4g}",
+            x.rows(), r.noise_variance));
     }
   }
 };
@@ -252,41 +259,58 @@ CoregionalisedProcess::State::State(const GaussianProcess& model, const Matrix& 
   check_points(source.inputs(), x);
   if (x.rows() == 0 || y.size() != x.rows() || !y.allFinite())
     throw InputError(
-        fmt::format("{} rows of inputs for {} responses of the target; there must be "
-                    "one finite response for each, and a row",
-                    x.rows(), y.size()));
-  mean = means(source.predict_rows(source.points())).mean();
-  source_part = means(source.predict_rows(x)).array() - mean;
+        fmt::format("{} rows of inputs for {} responses of the target, of which {} are finite; "
+                    "there must be one finite response for each, and a row",
+                    x.rows(), y.size(), y.array().isFinite().count()));
+  const GaussianProcessRegressor function(source);
+  mean = function.predict(source.points()).mean();
+  source_part = function.predict(x).array() - mean;
   known = source.covariance(x, x);
 }
 
 CoregionalisedProcess CoregionalisedProcess::fit(const GaussianProcess& source, const Matrix& x,
                                                  const Vector& y) {
+  return fit_and_leave_out(source, x, y, {}).process;
+}
+
+CoregionalisedProcess::Judged CoregionalisedProcess::fit_and_leave_out(
+    const GaussianProcess& source, const Matrix& x, const Vector& y,
+    std::span<const Eigen::Index> groups) {
   const auto state = std::make_shared<State>(source, x, y);
+  if (!groups.empty() && static_cast<Eigen::Index>(groups.size()) != x.rows())
+    throw InputError(fmt::format("{} numbers of groups for {} rows; there must be one for each",
+                                 groups.size(), x.rows()));
   // where the source has no noise, or the target no variance, what rounding may leave
   const double variance = (y.array() - y.mean()).square().mean() + 1e-12 * y.cwiseAbs2().mean();
   const double least = std::max(1e-8 * variance + 1e-10 * source.hyperparameters().process_variance,
                                 std::numeric_limits<double>::min());
   std::vector<TaskRelation> relations = possible_relations(
       source, std::max(source.noise_variance(), least), std::max(variance, 1e8 * least));
-  Vector weights(kPriorPoints);
-  for (Eigen::Index k = 0; k < kPriorPoints; ++k) {
-    const Fitted f = state->fit(relations[static_cast<std::size_t>(k)]);
-    weights[k] = f.possible ? f.log_likelihood : -std::numeric_limits<double>::infinity();
+  LeftOutRows left_out(groups, static_cast<Eigen::Index>(relations.size()));
+  Vector weights(static_cast<Eigen::Index>(relations.size()));
+  for (Eigen::Index k = 0; k < weights.size(); ++k) {
+    const TaskRelation& r = relations[static_cast<std::size_t>(k)];
+    const Fitted f = state->fit(r);
+    weights[k] = f.log_likelihood;
+    if (f.possible) left_out.add(k, f, y, r.noise_variance);
   }
   normalise(weights);
   if (!weights.allFinite())
     throw NumericalError(
-        "no relation of the target to the source could be evaluated; are all responses the same?");
-  for (Eigen::Index k = 0; k < kPriorPoints; ++k)
+        fmt::format("no relation of the target to the source has a finite likelihood: the target's "
+                    "{} responses are from {:.4g} to {:.4g}, the source's mean is {:.4g}; give "
+                    "both a smaller unit",
+                    y.size(), y.minCoeff(), y.maxCoeff(), state->mean));
+  for (Eigen::Index k = 0; k < weights.size(); ++k)
     relations[static_cast<std::size_t>(k)].weight = weights[k];
   state->keep(probable(relations));
-  return CoregionalisedProcess(state);
+  return {CoregionalisedProcess(state), left_out.predictions()};
 }
 
 CoregionalisedProcess CoregionalisedProcess::with_relations(
     const GaussianProcess& source, const Matrix& x, const Vector& y,
     const std::vector<TaskRelation>& relations) {
+  check_relations(relations, source.hyperparameters().length_scales.size());
   const auto state = std::make_shared<State>(source, x, y);
   state->keep(relations);
   return CoregionalisedProcess(state);
@@ -305,10 +329,11 @@ Predictions CoregionalisedProcess::predict_with_variances(const Matrix& x) const
     const Eigen::Index size = std::min(kBlock, m - begin);
     const Matrix q = x.middleRows(begin, size);
     const std::vector<Gaussian> source = s.source.predict_rows(q);
-    const Vector source_part = means(source).array() - s.mean;
-    Vector source_variance(size);
-    for (Eigen::Index i = 0; i < size; ++i)
+    Vector source_part(size), source_variance(size);
+    for (Eigen::Index i = 0; i < size; ++i) {
+      source_part[i] = source[static_cast<std::size_t>(i)].mean - s.mean;
       source_variance[i] = source[static_cast<std::size_t>(i)].variance;
+    }
     const Matrix known = s.source.covariance(s.x, q);
     Mixture mixture(size);
     for (std::size_t k = 0; k < s.relations.size(); ++k) {
@@ -331,66 +356,6 @@ Predictions CoregionalisedProcess::predict_with_variances(const Matrix& x) const
     result.observation_variance.segment(begin, size) = block.observation_variance;
   }
   return result;
-}
-
-/// With the weight of a relation divided by the density it gave the group, and of all relations
-/// the prediction from the other rows.
-Predictions CoregionalisedProcess::leave_groups_out(std::span<const Eigen::Index> groups) const {
-  const State& s = *state_;
-  const Eigen::Index n = s.x.rows();
-  if (static_cast<Eigen::Index>(groups.size()) != n)
-    throw InputError(fmt::format("{} groups for {} rows", groups.size(), n));
-  const auto by_group = rows_by_group(groups);
-  Predictions result{Vector::Constant(n, kNaN), Vector::Constant(n, kNaN),
-                     Vector::Constant(n, kNaN)};
-  if (by_group.size() < 2) return result;
-  const auto relations = static_cast<Eigen::Index>(s.relations.size());
-  std::vector<Vector> log_weights(by_group.size(), Vector(relations));
-  Matrix mean(n, relations), variance(n, relations);
-  Vector noise(relations);
-  for (Eigen::Index k = 0; k < relations; ++k) {
-    const Fitted& f = s.fitted[static_cast<std::size_t>(k)];
-    noise[k] = s.relations[static_cast<std::size_t>(k)].noise_variance;
-    const Matrix inverse = f.l.triangularView<Eigen::Lower>().solve(Matrix::Identity(n, n));
-    const Vector c_one = inverse.transpose() * f.l_one;
-    const Matrix q = inverse.transpose() * inverse - c_one * c_one.transpose() / f.precision;
-    for (std::size_t g = 0; g < by_group.size(); ++g) {
-      const Omitted omitted(q, f.weights, by_group[g]);
-      log_weights[g][k] =
-          std::log(s.relations[static_cast<std::size_t>(k)].weight) - omitted.log_density;
-      if (!std::isfinite(omitted.log_density)) {
-        log_weights[g][k] = -std::numeric_limits<double>::infinity();
-        mean(by_group[g], k).setZero();
-        variance(by_group[g], k).setZero();
-        continue;
-      }
-      mean(by_group[g], k) = s.y(by_group[g]) - omitted.residual;
-      variance(by_group[g], k) = omitted.covariance.diagonal();
-    }
-  }
-  for (std::size_t g = 0; g < by_group.size(); ++g) {
-    normalise(log_weights[g]);
-    for (const Eigen::Index i : by_group[g]) {
-      const Vector m = mean.row(i), v = variance.row(i);
-      const Vector& weights = log_weights[g];
-      result.mean[i] = weights.dot(m);
-      result.observation_variance[i] =
-          weights.dot(v + m.cwiseAbs2()) - result.mean[i] * result.mean[i];
-      result.function_variance[i] =
-          std::max(0.0, result.observation_variance[i] - weights.dot(noise));
-    }
-  }
-  return result;
-}
-
-Matrix prior_target_covariance(const GaussianProcess& source, const Matrix& x) {
-  const auto relations = possible_relations(source, source.noise_variance(), 1.0);
-  const Matrix known = source.covariance(x, x);
-  Matrix c = Matrix::Zero(x.rows(), x.rows());
-  for (const TaskRelation& r : relations)
-    c.array() += r.scale * r.scale * known.array() + r.shift_deviation * r.shift_deviation +
-                 r.own_variance * prior_correlation(source, x, x, r.length_factors).array();
-  return c / static_cast<double>(relations.size());
 }
 
 const std::vector<Input>& CoregionalisedProcess::inputs() const {

@@ -1,10 +1,11 @@
 // Transferred models in files.
-#include <array>
 #include <cmath>
+#include <limits>
 
 #include "gaussian_process_file.hpp"
 #include "model_kinds.hpp"
 #include "parts.hpp"
+#include "repose/base/error.hpp"
 #include "repose/surrogate/coregionalised_process.hpp"
 
 namespace repose::surrogate {
@@ -12,9 +13,7 @@ namespace {
 
 using table::Table;
 
-constexpr std::array kMethods{TransferMethod::retrained,       TransferMethod::target_only,
-                              TransferMethod::shift_and_scale, TransferMethod::source_basis,
-                              TransferMethod::coregionalised,  TransferMethod::weighted};
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 std::string part_name(std::size_t i) {
   return "part" + std::to_string(i + 1);
@@ -37,8 +36,9 @@ void add_part(ModelContent& content, const std::string& name, const Regressor& m
     auto& a = content.attributes;
     a[name + ".shift"] = shifted->shift;
     a[name + ".scale"] = shifted->scale;
-    a[name + ".residual_variance"] = shifted->residual_variance;
     a[name + ".noise_variance"] = shifted->noise_variance;
+    if (std::isnan(shifted->residual_variance)) return;
+    a[name + ".residual_variance"] = shifted->residual_variance;
     Table t;
     add_column(t, "covariance", doubles(shifted->covariance.reshaped()));
     content.add("/" + name + "/coefficients", std::move(t));
@@ -69,7 +69,7 @@ void add_part(ModelContent& content, const std::string& name, const Regressor& m
   }
 }
 
-const GaussianProcess& process_of(const ModelReader& file, const Regressor& source) {
+const GaussianProcess& source_process(const ModelReader& file, const Regressor& source) {
   const GaussianProcess* process = gaussian_process(source);
   file.check(process != nullptr, "the source is no Gaussian process, which a part needs");
   return *process;
@@ -91,11 +91,6 @@ std::vector<TaskRelation> read_relations(const ModelReader& file, Eigen::Index s
   read("weight", [](TaskRelation& r) -> double& { return r.weight; });
   for (Eigen::Index k = 0; k < scales; ++k)
     read(factor_column(k), [k](TaskRelation& r) -> double& { return r.length_factors[k]; });
-  file.check(!relations.empty(), "a part has no relations");
-  for (const TaskRelation& r : relations)
-    file.check(r.own_variance >= 0.0 && r.shift_deviation >= 0.0 && r.noise_variance >= 0.0 &&
-                   r.weight >= 0.0 && r.length_factors.minCoeff() > 0.0,
-               "a relation is impossible");
   return relations;
 }
 
@@ -104,20 +99,27 @@ Regressor read_coregionalised(const ModelReader& file, const GaussianProcess& so
   Matrix x(static_cast<Eigen::Index>(t.rows()), source.dimension());
   for (Eigen::Index k = 0; k < x.cols(); ++k)
     x.col(k) = vector_of(t.numbers("x" + std::to_string(k + 1)));
-  return CoregionalisedProcess::with_relations(
-      source, x, vector_of(t.numbers("y")),
-      read_relations(file, source.hyperparameters().length_scales.size()));
+  const auto relations = read_relations(file, source.hyperparameters().length_scales.size());
+  try {
+    return CoregionalisedProcess::with_relations(source, x, vector_of(t.numbers("y")), relations);
+  } catch (const Error& error) {
+    file.damaged(error.what());
+  }
 }
 
 Regressor read_shifted(const ModelReader& file, const Regressor& source) {
+  ShiftedModel model{.source = source,
+                     .shift = file.get<double>("shift"),
+                     .scale = file.get<double>("scale"),
+                     .covariance = Matrix::Constant(2, 2, kNaN),
+                     .residual_variance = kNaN,
+                     .noise_variance = file.positive_or_zero("noise_variance")};
+  if (!file.has("residual_variance")) return model;
   const std::vector<double> covariance = file.read("/coefficients").numbers("covariance");
   file.check(covariance.size() == 4, "a part's covariance has the wrong length");
-  return ShiftedModel{.source = source,
-                      .shift = file.get<double>("shift"),
-                      .scale = file.get<double>("scale"),
-                      .covariance = Eigen::Map<const Matrix>(covariance.data(), 2, 2),
-                      .residual_variance = file.positive_or_zero("residual_variance"),
-                      .noise_variance = file.positive_or_zero("noise_variance")};
+  model.covariance = Eigen::Map<const Matrix>(covariance.data(), 2, 2);
+  model.residual_variance = file.positive_or_zero("residual_variance");
+  return model;
 }
 
 Regressor read_part(const ModelReader& file, TransferMethod method, const Regressor& source) {
@@ -125,9 +127,9 @@ Regressor read_part(const ModelReader& file, TransferMethod method, const Regres
     case TransferMethod::shift_and_scale:
       return read_shifted(file, source);
     case TransferMethod::coregionalised:
-      return read_coregionalised(file, process_of(file, source));
+      return read_coregionalised(file, source_process(file, source));
     case TransferMethod::source_basis: {
-      const GaussianProcess& process = process_of(file, source);
+      const GaussianProcess& process = source_process(file, source);
       return SourceBasisProcess{process,
                                 read_process(file, source.inputs(), mean_function(process))};
     }
@@ -167,7 +169,6 @@ std::optional<ModelContent> write_transferred(const Regressor& model) {
 }
 
 Regressor read_transferred(const ModelReader& file, std::vector<Input> inputs) {
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   const auto known = [&file](const char* name) {
     return file.has(name) ? file.get<double>(name) : kNaN;
   };
@@ -178,12 +179,15 @@ Regressor read_transferred(const ModelReader& file, std::vector<Input> inputs) {
   const auto methods = parts.texts("method");
   const auto weights = parts.numbers("weight");
   file.check(!methods.empty(), "it has no parts");
+  double sum = 0.0;
   for (std::size_t i = 0; i < methods.size(); ++i) {
-    const TransferMethod method = file.choice(methods[i], kMethods);
+    const TransferMethod method = file.choice(methods[i], kTransferMethods);
     file.check(weights[i] >= 0.0 && weights[i] <= 1.0, "a weight is not in [0, 1]");
+    sum += weights[i];
     model.parts.push_back(
         {method, weights[i], read_part(file.below(part_name(i)), method, model.source)});
   }
+  file.check(std::abs(sum - 1.0) < 1e-9, "the weights of its parts do not sum to 1");
   return model;
 }
 

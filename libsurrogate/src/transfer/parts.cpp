@@ -2,49 +2,66 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "repose/base/error.hpp"
+#include "repose/surrogate/cross_validation.hpp"
 #include "repose/surrogate/gaussian_process_regressor.hpp"
 
 namespace repose::surrogate {
 namespace {
 
-constexpr Eigen::Index kRowsForScale = 4;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr Eigen::Index kPointsForScale = 4;
 
-double source_noise(const Regressor& source) {
-  const GaussianProcess* process = gaussian_process(source);
-  return process == nullptr ? 0.0 : process->noise_variance();
-}
+/// What a source says of itself at some rows, means over them.
+struct SourceVariances {
+  double noise = 0.0;         ///< 0 where it does not tell
+  double observation = kNaN;  ///< its own doubt included; NaN where it does not tell
 
-/// Without runs to spare, how well the source knows its own function.
-double presumed_residual(const Regressor& source, const Matrix& x) {
-  const Vector variance = source.predict_with_variances(x).observation_variance;
-  return variance.size() > 0 ? variance.mean() : 0.0;
+  SourceVariances(const Regressor& source, const Matrix& x) {
+    const Predictions p = source.predict_with_variances(x);
+    if (p.observation_variance.size() == 0) return;
+    if (const double mean = p.observation_variance.mean(); std::isfinite(mean)) observation = mean;
+    if (p.function_variance.size() == 0) return;
+    const double mean = (p.observation_variance - p.function_variance).mean();
+    if (std::isfinite(mean)) noise = std::max(0.0, mean);
+  }
+};
+
+Vector not_negative(const Vector& variance) {  // NaN stays
+  return (variance.array() < 0.0).select(0.0, variance);
 }
 
 }  // namespace
 
-ShiftedModel ShiftedModel::fit(const Regressor& source, const Matrix& x, const Vector& y) {
-  const Vector m = source.predict(x);
-  const auto n = static_cast<double>(y.size());
+ShiftedModel ShiftedModel::fit(const Regressor& source, const TrainingSet& target) {
+  const Vector m = source.predict(target.x);
+  const Vector& y = target.y;
+  const Vector w = target.weights.size() > 0 ? target.weights : Vector(Vector::Ones(y.size()));
+  const double n = w.sum();  // weights count as repeats
+  const double m_mean = w.dot(m) / n, y_mean = w.dot(y) / n;
   ShiftedModel model{.source = source, .covariance = Matrix::Zero(2, 2)};
-  const Vector centred = m.array() - m.mean();
-  const double spread = centred.squaredNorm();
-  const bool scaled = y.size() >= kRowsForScale && spread > 1e-20 * m.squaredNorm();
-  if (scaled) model.scale = centred.dot(y) / spread;
-  model.shift = y.mean() - model.scale * m.mean();
+  const Vector centred = m.array() - m_mean;
+  const double spread = w.dot(centred.cwiseAbs2());
+  const bool scaled =
+      number_of_points(target) >= kPointsForScale && spread > 1e-20 * w.dot(m.cwiseAbs2());
+  if (scaled) model.scale = w.cwiseProduct(centred).dot(y) / spread;
+  model.shift = y_mean - model.scale * m_mean;
   const Vector residual = y.array() - model.shift - model.scale * m.array();
   const double freedom = n - (scaled ? 2.0 : 1.0);
-  model.residual_variance =
-      freedom > 0.0 ? residual.squaredNorm() / freedom : presumed_residual(source, x);
-  model.noise_variance = std::min(source_noise(source), model.residual_variance);
+  const SourceVariances known(source, target.x);
+  model.noise_variance = known.noise;
+  model.residual_variance = freedom > 0.0
+                                ? std::max(w.dot(residual.cwiseAbs2()) / freedom, known.noise)
+                                : known.observation;
   model.covariance(0, 0) = model.residual_variance / n;
   if (scaled) {
     model.covariance(1, 1) = model.residual_variance / spread;
-    model.covariance(0, 1) = model.covariance(1, 0) = -m.mean() * model.covariance(1, 1);
-    model.covariance(0, 0) += m.mean() * m.mean() * model.covariance(1, 1);
+    model.covariance(0, 1) = model.covariance(1, 0) = -m_mean * model.covariance(1, 1);
+    model.covariance(0, 0) += m_mean * m_mean * model.covariance(1, 1);
   }
   return model;
 }
@@ -54,10 +71,13 @@ Vector ShiftedModel::predict(const Matrix& x) const {
 }
 
 Predictions ShiftedModel::predict_with_variances(const Matrix& x) const {
-  const Vector m = source.predict(x);
+  const Predictions of_source = source.predict_with_variances(x);
+  const Vector& m = of_source.mean;
   const Vector of_coefficients =
       covariance(0, 0) + 2.0 * covariance(0, 1) * m.array() + covariance(1, 1) * m.array().square();
-  const Vector function = of_coefficients.array().max(0.0) + (residual_variance - noise_variance);
+  Vector function = not_negative(of_coefficients).array() + (residual_variance - noise_variance);
+  if (of_source.function_variance.size() > 0)
+    function += scale * scale * of_source.function_variance;
   return {shift + scale * m.array(), function, function.array() + noise_variance};
 }
 
@@ -71,11 +91,12 @@ BasisFunctions mean_function(const GaussianProcess& source) {
           }};
 }
 
-SourceBasisProcess SourceBasisProcess::fit(const GaussianProcess& source, const Matrix& x,
-                                           const Vector& y, std::uint64_t seed) {
+SourceBasisProcess SourceBasisProcess::fit(const GaussianProcess& source, const TrainingSet& target,
+                                           std::uint64_t seed) {
+  refuse_weights(target);
   return {source,
           GaussianProcess::fit(
-              x, y, source.inputs(),
+              target.x, target.y, source.inputs(),
               {.kernel = source.kernel(), .functions = mean_function(source), .seed = seed})};
 }
 
@@ -109,7 +130,7 @@ Predictions TransferredModel::predict_with_variances(const Matrix& x) const {
   for (const Part& part : parts) {
     const Predictions p = part.model.predict_with_variances(x);
     if (p.function_variance.size() != x.rows() || p.observation_variance.size() != x.rows()) {
-      const Vector unknown = Vector::Constant(x.rows(), std::numeric_limits<double>::quiet_NaN());
+      const Vector unknown = Vector::Constant(x.rows(), kNaN);
       return {predict(x), unknown, unknown};
     }
     sum.mean += part.weight * p.mean;
@@ -117,8 +138,8 @@ Predictions TransferredModel::predict_with_variances(const Matrix& x) const {
     sum.observation_variance += part.weight * (p.observation_variance + p.mean.cwiseAbs2());
   }
   const Vector square = sum.mean.cwiseAbs2();
-  sum.function_variance = (sum.function_variance - square).cwiseMax(0.0);
-  sum.observation_variance = (sum.observation_variance - square).cwiseMax(0.0);
+  sum.function_variance = not_negative(sum.function_variance - square);
+  sum.observation_variance = not_negative(sum.observation_variance - square);
   return sum;
 }
 

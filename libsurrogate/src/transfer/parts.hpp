@@ -2,22 +2,31 @@
 // for model files.
 #pragma once
 
+#include <array>
+
 #include "repose/surrogate/transfer.hpp"
 
 namespace repose::surrogate {
 
+inline constexpr std::array kTransferMethods{
+    TransferMethod::retrained,    TransferMethod::target_only,    TransferMethod::shift_and_scale,
+    TransferMethod::source_basis, TransferMethod::coregionalised, TransferMethod::weighted};
+
 /// b + a f_s(x), of any source.
 struct ShiftedModel {
   Regressor source;
-  double shift = 0.0;              ///< b
-  double scale = 1.0;              ///< a
-  Matrix covariance = {};          ///< 2 x 2, of b and a
-  double residual_variance = 0.0;  ///< of the target's rows about it
-  double noise_variance = 0.0;     ///< at most the residual variance; the rest is misfit
+  double shift = 0.0;      ///< b
+  double scale = 1.0;      ///< a
+  Matrix covariance = {};  ///< 2 x 2, of b and a
+  /// Of the target's rows about it, no less than the source's noise; without rows to spare that of
+  /// the source's observations. NaN, as the covariance, where neither is known.
+  double residual_variance = 0.0;
+  double noise_variance = 0.0;  ///< the source's, 0 where it has none; the rest is misfit
 
-  static ShiftedModel fit(const Regressor& source, const Matrix& x, const Vector& y);
+  /// By (weighted) least squares; a = 1 below four different points.
+  static ShiftedModel fit(const Regressor& source, const TrainingSet& target);
   Vector predict(const Matrix& x) const;
-  /// The misfit counts as the function's.
+  /// The misfit counts as the function's, and a^2 times the source's variance where it has one.
   Predictions predict_with_variances(const Matrix& x) const;
   const std::vector<Input>& inputs() const { return source.inputs(); }
   std::string describe() const;
@@ -31,7 +40,7 @@ struct SourceBasisProcess {
   GaussianProcess source;
   GaussianProcess target;
 
-  static SourceBasisProcess fit(const GaussianProcess& source, const Matrix& x, const Vector& y,
+  static SourceBasisProcess fit(const GaussianProcess& source, const TrainingSet& target,
                                 std::uint64_t seed);
   double scale() const { return target.coefficients().tail(1)[0]; }  ///< a
   Vector predict(const Matrix& x) const;

@@ -9,8 +9,4 @@ namespace repose::surrogate {
 Matrix prior_correlation(const GaussianProcess& model, const Matrix& a, const Matrix& b,
                          const Vector& length_factors);
 
-/// n x n, of a target's function at the rows of x before any of them is known, averaged over the
-/// relations to the source that CoregionalisedProcess deems possible.
-Matrix prior_target_covariance(const GaussianProcess& source, const Matrix& x);
-
 }  // namespace repose::surrogate

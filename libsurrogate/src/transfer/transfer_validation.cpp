@@ -6,10 +6,12 @@
 #include <cmath>
 #include <mutex>
 #include <numeric>
+#include <optional>
 
 #include "repose/base/error.hpp"
 #include "repose/base/random.hpp"
 #include "repose/base/thread_pool.hpp"
+#include "task.hpp"
 
 namespace repose::surrogate {
 namespace {
@@ -27,6 +29,7 @@ struct Outcome {
   Metrics validation = kUnknown;
   Metrics unseen = kUnknown;
   double correlation = std::numeric_limits<double>::quiet_NaN();
+  bool predicted = false;  ///< the rows not given
   std::string failure;
 };
 
@@ -74,11 +77,26 @@ SpreadMetrics average(const std::vector<SpreadMetrics>& all) {
   return result;
 }
 
+/// Throws NumericalError where a fold cannot be fitted.
 Metrics cross_validated(const TrainingSet& data, const Trainer& trainer, int folds,
                         std::uint64_t seed) {
-  return cross_validate(data, trainer, k_folds(data, {.folds = folds, .seed = seed}),
-                        {.seed = seed})
-      .metrics;
+  const CrossValidation result =
+      cross_validate(data, trainer, k_folds(data, {.folds = folds, .seed = seed}), {.seed = seed});
+  for (const FoldResult& fold : result.folds)
+    if (!fold.failure.empty())
+      throw NumericalError(fmt::format("{} of {} folds; {}: {}", result.failed_folds, folds,
+                                       fold.name, fold.failure));
+  return result.metrics;
+}
+
+/// Adds the validation's figures, or why there are none.
+void validate(Outcome& outcome, const TrainingSet& data, const Trainer& trainer, int folds,
+              std::uint64_t seed) {
+  try {
+    outcome.validation = cross_validated(data, trainer, folds, seed);
+  } catch (const Error& error) {
+    outcome.failure = fmt::format("validation: {}", error.what());
+  }
 }
 
 Metrics metrics_at(const Regressor& model, const TrainingSet& rows) {
@@ -100,18 +118,22 @@ class Trial {
         std::uint64_t seed)
       : options_(options),
         seed_(seed),
-        source_(selected_rows(data, rows_where(data, group, false))),
-        target_(selected_rows(data, rows_where(data, group, true))) {}
+        source_(with_own_ranges(selected_rows(data, rows_where(data, group, false)),
+                                options.undeclared)),
+        target_(selected_rows(data, rows_where(data, group, true))) {
+    target_.inputs = source_.inputs;
+  }
 
   std::vector<Outcome> run() const {
     std::vector<Outcome> outcomes(options_.methods.size() * options_.samples.size());
     try {
       const PretrainedModel model = pretrained(options_.model, source_, seed_, options_.search);
       const auto order = rows_in_order(model);
-      std::size_t next = 0;
-      for (const TransferMethod method : options_.methods)
-        for (const int samples : options_.samples)
-          outcomes[next++] = outcome(model, method, order, samples);
+      for (std::size_t n = 0; n < options_.samples.size(); ++n) {
+        auto of_methods = outcomes_with(model, order, options_.samples[n]);
+        for (std::size_t m = 0; m < options_.methods.size(); ++m)
+          outcomes[m * options_.samples.size() + n] = std::move(of_methods[m]);
+      }
     } catch (const Error& error) {
       for (Outcome& o : outcomes) o.failure = error.what();
     }
@@ -128,26 +150,39 @@ class Trial {
     return order;
   }
 
-  Outcome outcome(const PretrainedModel& model, TransferMethod method,
-                  const std::vector<Eigen::Index>& order, int samples) const {
-    Outcome result;
+  std::vector<Outcome> outcomes_with(const PretrainedModel& model,
+                                     const std::vector<Eigen::Index>& order, int samples) const {
+    std::vector<Outcome> results(options_.methods.size());
     if (static_cast<Eigen::Index>(samples) >= target_.rows()) {
-      result.failure = fmt::format("it has {} rows: none are left unseen", target_.rows());
-      return result;
+      for (Outcome& o : results)
+        o.failure = fmt::format("it has {} rows: none are left unseen", target_.rows());
+      return results;
     }
     const std::span rows(order);
     const auto given = selected_rows(target_, rows.first(static_cast<std::size_t>(samples)));
     const auto unseen = selected_rows(target_, rows.subspan(static_cast<std::size_t>(samples)));
+    std::optional<TransferTask> task;
+    if (samples > 0) task.emplace(model, source_, given, options_.methods, seed_);
+    for (std::size_t m = 0; m < results.size(); ++m)
+      results[m] = outcome(model, task, options_.methods[m], given, unseen);
+    return results;
+  }
+
+  Outcome outcome(const PretrainedModel& model, std::optional<TransferTask>& task,
+                  TransferMethod method, const TrainingSet& given,
+                  const TrainingSet& unseen) const {
+    Outcome result;
     try {
-      const Transfer found = transfer(model, source_, given, {.method = method, .seed = seed_});
+      const Transfer found = task ? task->by(method) : Transfer{.model = model.model, .parts = {}};
       result.unseen = metrics_at(found.model, unseen);
       result.correlation = found.correlation;
-      if (method == TransferMethod::retrained)
-        result.validation = cross_validated(samples == 0 ? source_ : joined(source_, given),
-                                            model.again, options_.folds, seed_);
+      result.predicted = true;
     } catch (const Error& error) {
       result.failure = error.what();
+      return result;
     }
+    if (method == TransferMethod::retrained)
+      validate(result, task ? joined(source_, given) : source_, model.again, options_.folds, seed_);
     return result;
   }
 
@@ -165,6 +200,7 @@ TransferScore score_of(const std::vector<Outcome>& outcomes) {
     validation.push_back(o.validation);
     unseen.push_back(o.unseen);
     correlation.push_back(o.correlation);
+    score.averaged += o.predicted ? 1 : 0;
     if (score.failure.empty()) score.failure = o.failure;
   }
   score.validation = spread_of(validation);
@@ -173,11 +209,13 @@ TransferScore score_of(const std::vector<Outcome>& outcomes) {
   return score;
 }
 
-/// Over groups, of equal samples and method.
+/// Over groups, of equal samples and method, which may be fewer where rows are few.
 TransferScore mean_of(const std::vector<TransferScore>& scores) {
   std::vector<SpreadMetrics> validation, unseen;
   std::vector<Spread> correlation;
+  int averaged = 0;
   for (const TransferScore& s : scores) {
+    averaged += s.averaged > 0 ? 1 : 0;
     validation.push_back(s.validation);
     unseen.push_back(s.unseen);
     correlation.push_back(s.correlation);
@@ -188,7 +226,11 @@ TransferScore mean_of(const std::vector<TransferScore>& scores) {
           .validation = average(validation),
           .unseen = average(unseen),
           .correlation = average(correlation),
-          .failure = {}};
+          .averaged = averaged,
+          .failure = averaged == static_cast<int>(scores.size())
+                         ? ""
+                         : fmt::format("of {} of {} groups; the others could not be predicted",
+                                       averaged, scores.size())};
 }
 
 void check(const TrainingSet& data, const TransferValidationOptions& options,
@@ -198,7 +240,11 @@ void check(const TrainingSet& data, const TransferValidationOptions& options,
     throw InputError(fmt::format("{} group of rows; transfer needs one to learn from and another",
                                  groups.size()));
   if (options.samples.empty() || options.methods.empty() || options.seeds < 1)
-    throw InputError("transfer needs numbers of samples, methods and at least one seed");
+    throw InputError(
+        fmt::format("{} numbers of samples, {} methods and {} seeds; there must be at least one of "
+                    "each",
+                    options.samples.size(), options.methods.size(), options.seeds));
+  for (const TransferMethod method : options.methods) check_possible(method, options.model);
   const int fewest = *std::min_element(options.samples.begin(), options.samples.end());
   if (fewest < 0) throw InputError(fmt::format("{} samples; it must be 0 or more", fewest));
   const auto enough = [&](Eigen::Index group) {
@@ -220,7 +266,7 @@ TransferValidation validate_transfer(const TrainingSet& data,
   const auto seeds = static_cast<std::size_t>(options.seeds);
   const auto seed_of = [&](std::size_t s) { return derive_seed(options.seed, s); };
   std::vector<std::vector<Outcome>> outcomes(groups.size() * seeds);
-  std::vector<Metrics> all_seen(seeds);
+  std::vector<Outcome> all_seen(seeds);
   std::mutex mutex;
   double done = 0.0;
   const std::size_t tasks = outcomes.size() + seeds;
@@ -230,14 +276,15 @@ TransferValidation validate_transfer(const TrainingSet& data,
       outcomes[task] = Trial(data, groups[task / seeds], options, seed).run();
     } else {
       const auto model = pretrained(options.model, data, seed, options.search);
-      all_seen[task % seeds] = cross_validated(data, model.again, options.folds, seed);
+      validate(all_seen[task % seeds], data, model.again, options.folds, seed);
     }
     if (!options.progress) return;
     const std::lock_guard lock(mutex);
     options.progress(++done, static_cast<double>(tasks), options.model);
   });
 
-  TransferValidation result{.all_seen = spread_of(all_seen)};
+  const TransferScore all = score_of(all_seen);
+  TransferValidation result{.all_seen = all.validation, .all_seen_failure = all.failure};
   for (std::size_t m = 0; m < options.methods.size(); ++m) {
     const std::size_t first = result.scores.size(), numbers = options.samples.size();
     for (std::size_t g = 0; g < groups.size(); ++g)

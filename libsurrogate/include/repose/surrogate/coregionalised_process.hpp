@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "repose/surrogate/gaussian_process.hpp"
@@ -41,9 +42,17 @@ struct TaskRelation {
 class CoregionalisedProcess {
  public:
   /// x: n x d, n >= 1. Throws InputError where the source models log y or logit y, on x as
-  /// GaussianProcess::fit.
+  /// GaussianProcess::fit; NumericalError where responses are so large that no likelihood is
+  /// finite.
   static CoregionalisedProcess fit(const GaussianProcess& source, const Matrix& x, const Vector& y);
-  /// At given relations, as a model file has them.
+  struct Judged;
+  /// The same, and each row as fit() to the rows of the other groups predicts it, of all relations
+  /// and in closed form. groups: a number for each row, or none. An O(n^3) more for each relation.
+  static Judged fit_and_leave_out(const GaussianProcess& source, const Matrix& x, const Vector& y,
+                                  std::span<const Eigen::Index> groups);
+  /// At given relations, as a model file has them. Throws InputError unless there is one, each has
+  /// a length factor for each length scale of the source, shift deviation, noise and factors are
+  /// positive, and the weights sum to 1; NumericalError where a covariance is singular.
   static CoregionalisedProcess with_relations(const GaussianProcess& source, const Matrix& x,
                                               const Vector& y,
                                               const std::vector<TaskRelation>& relations);
@@ -62,14 +71,17 @@ class CoregionalisedProcess {
   const Matrix& points() const;  ///< x
   const Vector& values() const;  ///< y
 
-  /// Of each row by the model without the rows of its group, in closed form; relations weighted
-  /// anew without them. groups: a number for each row. NaN where a group is all rows.
-  Predictions leave_groups_out(std::span<const Eigen::Index> groups) const;
-
  private:
   struct State;
   explicit CoregionalisedProcess(std::shared_ptr<const State> state) : state_(std::move(state)) {}
   std::shared_ptr<const State> state_;
+};
+
+struct CoregionalisedProcess::Judged {
+  CoregionalisedProcess process;
+  /// NaN where a group is all rows, and without groups. Differs from fit() to the other rows by the
+  /// improbable relations that fit() drops and by rounding.
+  Predictions left_out;
 };
 
 }  // namespace repose::surrogate

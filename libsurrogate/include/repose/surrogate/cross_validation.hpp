@@ -21,6 +21,7 @@ struct Fold {
 
 /// Numbers points from 0: TrainingSet::replicates renumbered, or else equal for rows with equal x.
 std::vector<Eigen::Index> points_of(const TrainingSet& data);
+Eigen::Index number_of_points(const TrainingSet& data);
 
 struct KFoldOptions {
   int folds = 10;
@@ -107,9 +108,12 @@ std::vector<CrossValidation> cross_validate(const TrainingSet& data,
 CrossValidation cross_validate_fixed(const TrainingSet& data, const Regressor& gaussian_process,
                                      const std::vector<Fold>& folds);
 
+/// The range of each number whose place in `undeclared` is true taken from the rows; a column that
+/// is constant in them keeps the range it has.
+TrainingSet with_own_ranges(TrainingSet data, const std::vector<bool>& undeclared);
+
 /// `trainer` with the range of each number whose place in `undeclared` is true taken from the
-/// training rows, so that rows left out do not shape it. A column that is constant there keeps the
-/// range it has.
+/// training rows by with_own_ranges(), so that rows left out do not shape it.
 Trainer with_ranges_of_training_rows(Trainer trainer, std::vector<bool> undeclared);
 
 /// Rows a second that `model` predicts, all rows of x at once, repeated for a twentieth of a

@@ -26,6 +26,9 @@ class GaussianProcessRegressor {
 /// The Gaussian process that a model is, else nullptr.
 const GaussianProcess* gaussian_process(const Regressor& model);
 
+/// Throws InputError where rows have weights, which a Gaussian process does not take.
+void refuse_weights(const TrainingSet& data);
+
 /// GaussianProcess::fit with these options and the seed of each fit. Refuses weights and, as they
 /// belong to rows, known noise variances.
 Trainer gaussian_process_trainer(std::string name, const GaussianProcessOptions& options = {});

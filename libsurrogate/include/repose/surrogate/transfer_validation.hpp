@@ -20,6 +20,9 @@ struct TransferValidationOptions {
   enum class Order { random, variance } order = Order::random;  ///< which: see first_target_runs()
   int seeds = 5;                                                ///< other rows, other starts
   int folds = 10;                                               ///< of the validation
+  /// Inputs whose range is no declaration but that of the data: each model has that of its source's
+  /// rows, see with_own_ranges().
+  std::vector<bool> undeclared = {};
   std::uint64_t seed = 1;
   unsigned threads = 1;            ///< over groups and seeds; the result does not depend on it
   ProgressCallback progress = {};  ///< in groups times seeds; called one at a time
@@ -44,19 +47,24 @@ struct TransferScore {
   SpreadMetrics validation = {};
   SpreadMetrics unseen = {};  ///< of the group's rows that were not given
   Spread correlation = {};    ///< estimated, of Transfer
-  std::string failure;        ///< the first seed's that failed; figures are of the others
+  int averaged = 0;           ///< seeds, of means groups, whose rows could be predicted
+  /// The first seed's that failed; figures are of the others. "validation: ..." where only that
+  /// did: figures of unseen rows are not concerned. Of means: how many groups could be predicted,
+  /// if not all.
+  std::string failure;
 };
 
 struct TransferValidation {
   SpreadMetrics all_seen;             ///< validation of a model fitted to all groups
+  std::string all_seen_failure;       ///< the first seed's that failed
   std::vector<TransferScore> scores;  ///< by method, group and samples
   /// Averages over groups, deviations too, as the thesis has them; group is -1.
   std::vector<TransferScore> means;
 };
 
 /// `data` with groups. A preset with searched settings searches them for each group and seed, and
-/// keeps them. Throws InputError on a single group, without samples, methods or seeds, and if no
-/// group has more rows than the smallest number of samples.
+/// keeps them. Throws InputError on a single group, without samples, methods or seeds, as
+/// check_possible(), and if no group has more rows than the smallest number of samples.
 TransferValidation validate_transfer(const TrainingSet& data,
                                      const TransferValidationOptions& options = {});
 
