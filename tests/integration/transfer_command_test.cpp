@@ -92,7 +92,7 @@ TEST(TransferCommand, WritesAModelOfTheNewGroupThatPredicts) {
   const json result = json::parse(said.out);
   EXPECT_EQ(result["source_rows"], 28);
   EXPECT_EQ(result["target_rows"], 8);
-  EXPECT_EQ(result["parts"].size(), 3u);
+  EXPECT_EQ(result["parts"].size(), 5u);
   EXPECT_GT(result["correlation"], 0.9);
   ASSERT_EQ(result["next"].size(), 3u);
   for (const json& row : result["next"]) {

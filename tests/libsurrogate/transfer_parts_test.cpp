@@ -135,7 +135,7 @@ TEST(Weighted, HasTheVariancesOfTheMixtureOfItsParts) {
   const Predictions mixture = found.model.predict_with_variances(q);
   Vector mean = Vector::Zero(q.rows()), function = mean, observation = mean;
   for (const TransferPart& part : found.parts)
-    mean += part.weight * c.by(part.method).model.predict(q);
+    if (part.weight > 0.0) mean += part.weight * c.by(part.method).model.predict(q);
   for (const TransferPart& part : found.parts) {
     const Predictions p = c.by(part.method).model.predict_with_variances(q);
     const Vector off = (p.mean - mean).cwiseAbs2();

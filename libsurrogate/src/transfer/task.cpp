@@ -18,6 +18,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr Eigen::Index kPointsForWeights = 4;
 constexpr Eigen::Index kMostFolds = 20;
 constexpr double kSharpness = 0.1;     // see docs/validation/transfer.md
+constexpr double kFarBetter = 0.4;     // of the error of target_only
 constexpr double kLeastError = 1e-12;  // of the mean square response
 
 const GaussianProcess& process_for(TransferMethod method, const PretrainedModel& source) {
@@ -32,29 +33,41 @@ const GaussianProcess& process_for(TransferMethod method, const PretrainedModel&
 
 std::vector<TransferMethod> methods_to_weigh(const PretrainedModel& source) {
   if (process_of(source) != nullptr)
-    return {target_only, source_basis, TransferMethod::coregionalised};
-  return {retrained, target_only, shift_and_scale};
+    return {target_only, source_basis, TransferMethod::coregionalised, shift_and_scale, retrained};
+  return {target_only, shift_and_scale, retrained};
 }
 
-/// Weights mse^(-n/10), n points, of those that did not fail: few rows left out say little of which
-/// is best. A mean square error counts as no less than 1e-12 of the mean square response.
-void weigh(std::vector<TransferPart>& parts, const TrainingSet& target) {
+/// Ways that hold on to the source, however unlike the target is, are of use beside those of a
+/// process where they predict rows left out far better than these predict each other.
+bool may_count(const TransferPart& part, const TransferPart& alone, bool of_process) {
+  if (!part.failure.empty()) return false;
+  if (!of_process || (part.method != retrained && part.method != shift_and_scale)) return true;
+  return part.left_out_rmse < kFarBetter * alone.left_out_rmse;  // false where that is not known
+}
+
+/// Weights mse^(-n/10), n points, of those that may count: few rows left out say little of which is
+/// best. A mean square error counts as no less than 1e-12 of the mean square response. The first
+/// part is target_only.
+void weigh(std::vector<TransferPart>& parts, const TrainingSet& target, bool of_process) {
   const double least =
       std::max(kLeastError * target.y.cwiseAbs2().mean(), std::numeric_limits<double>::min());
   const auto error = [least](const TransferPart& part) {
     return std::max(part.left_out_rmse * part.left_out_rmse, least);
   };
-  double best = std::numeric_limits<double>::infinity();
-  for (const TransferPart& part : parts)
-    if (part.failure.empty()) best = std::min(best, error(part));
-  double sum = 0.0;
+  std::vector<TransferPart*> counting, fitted;
   for (TransferPart& part : parts) {
-    if (!part.failure.empty()) continue;
-    part.weight =
-        std::pow(error(part) / best, -kSharpness * static_cast<double>(number_of_points(target)));
-    sum += part.weight;
+    if (part.failure.empty()) fitted.push_back(&part);
+    if (may_count(part, parts.front(), of_process)) counting.push_back(&part);
   }
-  for (TransferPart& part : parts) part.weight /= sum;
+  if (counting.empty()) counting = fitted;
+  double best = std::numeric_limits<double>::infinity(), sum = 0.0;
+  for (const TransferPart* part : counting) best = std::min(best, error(*part));
+  for (TransferPart* part : counting) {
+    part->weight =
+        std::pow(error(*part) / best, -kSharpness * static_cast<double>(number_of_points(target)));
+    sum += part->weight;
+  }
+  for (TransferPart* part : counting) part->weight /= sum;
 }
 
 /// Of predictions and responses, weighted; NaN below three rows and where one is constant.
@@ -196,6 +209,7 @@ TransferredModel TransferTask::combine(std::vector<TransferPart>& parts) {
     model.parts.push_back({shift_and_scale, 1.0, fit(shift_and_scale, target_)});
     return model;
   }
+  if (process_of(source_) != nullptr) refuse_weights(target_);
   parts.clear();
   std::string reasons;
   for (const TransferMethod method : methods_to_weigh(source_)) {
@@ -205,10 +219,11 @@ TransferredModel TransferTask::combine(std::vector<TransferPart>& parts) {
       reasons += fmt::format("; {}: {}", to_string(method), parts.back().failure);
   }
   if (model.parts.empty()) throw InputError("no way of transfer could be fitted" + reasons);
-  weigh(parts, target_);
+  weigh(parts, target_, process_of(source_) != nullptr);
   auto next = model.parts.begin();
   for (const TransferPart& part : parts)
     if (part.failure.empty()) (next++)->weight = part.weight;
+  std::erase_if(model.parts, [](const auto& part) { return part.weight == 0.0; });
   return model;
 }
 

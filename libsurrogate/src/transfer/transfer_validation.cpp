@@ -229,7 +229,7 @@ TransferScore mean_of(const std::vector<TransferScore>& scores) {
           .averaged = averaged,
           .failure = averaged == static_cast<int>(scores.size())
                          ? ""
-                         : fmt::format("of {} of {} groups; the others could not be predicted",
+                         : fmt::format("over {} of {} groups; the others have no figures",
                                        averaged, scores.size())};
 }
 

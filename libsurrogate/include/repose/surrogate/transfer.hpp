@@ -24,8 +24,9 @@ enum class TransferMethod {
   source_basis,
   /// Two correlated functions, see CoregionalisedProcess.
   coregionalised,
-  /// target_only, source_basis and coregionalised, weighted by (mean square error of the n target
-  /// rows when left out)^(-n/10), n different points. Of sources that are no Gaussian process:
+  /// target_only, source_basis and coregionalised, weighted by (mean square error of the target
+  /// rows when left out)^(-n/10), n different points; likewise shift_and_scale and retrained where
+  /// their error is less than 0.4 of that of target_only. Of sources that are no Gaussian process:
   /// retrained, target_only and shift_and_scale. Below four different points shift_and_scale alone.
   weighted,
 };
