@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <fstream>
 #include <thread>
 
@@ -92,6 +93,21 @@ TEST(BundledEngine, TellsACrashFromBeingKilledByOthers) {
     EXPECT_EQ(BundledEngine(script(directory, body)).run({.directory = directory.path()}).status,
               EngineStatus::killed)
         << body;
+}
+
+TEST(BundledEngine, TellsTheSignalsOfItsRanksByTheCodeOfTheirLauncher) {
+  const test::TemporaryDirectory directory;
+  const auto exit = [&](int signal) {
+    const auto body = fmt::format("echo 'repose-dem: rank 1 of 2 died'; exit {}", 128 + signal);
+    return BundledEngine(script(directory, body)).run({.directory = directory.path(), .ranks = 2});
+  };
+  for (const int signal : {SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL}) {
+    EXPECT_EQ(exit(signal).status, EngineStatus::failed) << signal;
+    EXPECT_EQ(exit(signal).failure, Outcome::crash) << signal;
+    EXPECT_EQ(exit(signal).message, fmt::format("the engine crashed with signal {}", signal));
+  }
+  EXPECT_EQ(exit(SIGKILL).status, EngineStatus::killed);
+  EXPECT_EQ(exit(SIGKILL).message, "it was killed by signal 9, not by us (out of memory?)");
 }
 
 TEST(BundledEngine, NamesWhatItsProgramFailedOf) {

@@ -140,18 +140,22 @@ TEST(Ranks, OneThatDiesEndsTheRunWithAMessageAndTheSameCommandGoesOn) {
   c.output.checkpoint_wall_time_s = 0.02;
   scene::write_case(folder.path / "case.toml", c);
   ASSERT_EQ(end_of(start(folder.path / "case.toml", folder.path / "straight")), 0);
-  const fs::path run = folder.path / "run";
-  const pid_t child = start(folder.path / "case.toml", run,
-                            {.messages = folder.path / "messages.txt", .options = on(3)});
-  wait_for(scene::checkpoint_file(run), child);
-  const std::vector<pid_t> ranks = ranks_of(child);
-  ASSERT_EQ(ranks.size(), 3u);
-  ::kill(ranks[1], SIGKILL);
-  EXPECT_EQ(end_of(child), 5);
-  const std::string messages = read_file(folder.path / "messages.txt");
-  EXPECT_NE(messages.find("rank 1 of 3 died by signal 9"), std::string::npos) << messages;
-  EXPECT_EQ(end_of(start(folder.path / "case.toml", run, {.options = on(2)})), 0);
-  expect_same_output(folder.path / "straight", run);
+  for (const int signal : {SIGKILL, SIGSEGV}) {
+    const fs::path run = folder.path / fmt::format("run_{}", signal);
+    const fs::path said = folder.path / fmt::format("messages_{}.txt", signal);
+    const pid_t child = start(folder.path / "case.toml", run, {.messages = said, .options = on(3)});
+    wait_for(scene::checkpoint_file(run), child);
+    const std::vector<pid_t> ranks = ranks_of(child);
+    ASSERT_EQ(ranks.size(), 3u);
+    ::kill(ranks[1], signal);
+    EXPECT_EQ(end_of(child), 128 + signal);  // as a shell says of one process
+    const std::string messages = read_file(said);
+    EXPECT_NE(messages.find(fmt::format("rank 1 of 3 died by signal {}", signal)),
+              std::string::npos)
+        << messages;
+    EXPECT_EQ(end_of(start(folder.path / "case.toml", run, {.options = on(2)})), 0);
+    expect_same_output(folder.path / "straight", run);
+  }
 }
 
 /// The exit code and what was said on two ranks.

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
+#include <initializer_list>
 #include <sstream>
 
 #include "repose/base/error.hpp"
@@ -29,13 +31,24 @@ std::string last_line(const std::filesystem::path& log, std::size_t from) {
   return last.size() > kLongest ? last.substr(0, kLongest) + "..." : last;
 }
 
-/// The signal by which somebody ended the program, 0 if nobody did: the machine shutting down, the
-/// kernel out of memory, a user.
-int killed_by(const CommandEnd& end) {
-  const int signal = end.signal != 0 ? end.signal : end.exit_code - 128;
-  for (const int from_outside : {SIGKILL, SIGTERM, SIGINT, SIGHUP})
-    if (signal == from_outside) return signal;
-  return 0;
+/// The signal that ended the program, or one of its processes: a launcher or a shell says so by the
+/// code 128 + signal.
+int signal_of(const CommandEnd& end) {
+  return end.signal != 0 ? end.signal : end.exit_code - 128;
+}
+
+bool is_one_of(int signal, std::initializer_list<int> signals) {
+  return std::find(signals.begin(), signals.end(), signal) != signals.end();
+}
+
+/// Whether somebody ended the program: the machine shutting down, the kernel out of memory, a user.
+bool was_killed(const CommandEnd& end) {
+  return is_one_of(signal_of(end), {SIGKILL, SIGTERM, SIGINT, SIGHUP});
+}
+
+/// Whether it ended by a fault of its own.
+bool crashed(const CommandEnd& end) {
+  return end.signal != 0 || is_one_of(signal_of(end), {SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL});
 }
 
 }  // namespace
@@ -80,12 +93,13 @@ EngineExit exit_of(const CommandEnd& end, const Command& command, std::size_t sa
   } else if (end.ended == CommandEnded::when_cancelled) {
     exit.status = EngineStatus::cancelled;
     exit.message = "stopped by the user";
-  } else if (const int signal = killed_by(end); signal != 0) {
+  } else if (was_killed(end)) {
     exit.status = EngineStatus::killed;
-    exit.message = fmt::format("it was killed by signal {}, not by us (out of memory?)", signal);
-  } else if (end.signal != 0) {
+    exit.message =
+        fmt::format("it was killed by signal {}, not by us (out of memory?)", signal_of(end));
+  } else if (crashed(end)) {
     exit.failure = Outcome::crash;
-    exit.message = fmt::format("the engine crashed with signal {}", end.signal);
+    exit.message = fmt::format("the engine crashed with signal {}", signal_of(end));
   } else if (end.exit_code == 127) {
     throw StorageError(fmt::format("{} could not be executed", command.words.front()));
   } else {

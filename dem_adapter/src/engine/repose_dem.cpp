@@ -39,7 +39,7 @@ void throw_if_not_the_run(int code, const std::string& message, const std::strin
 EngineExit exit_of_repose_dem(const CommandEnd& end, const Command& command,
                               std::size_t said_before) {
   auto exit = exit_of(end, command, said_before);
-  if (exit.status == EngineStatus::failed && end.signal == 0) {
+  if (exit.status == EngineStatus::failed && exit.failure != Outcome::crash) {
     throw_if_not_the_run(end.exit_code, exit.message, command.words.front());
     exit.failure = outcome_of(exit.message);
   }

@@ -79,15 +79,16 @@ void read_lines(int from, Messages& messages) {
 }
 
 struct DeadRank {
-  std::string rank, signal;
+  int rank = 0, signal = 0;
 };
+/// By the words of mpirun, whose own exit code says less: it is that of any rank.
 std::optional<DeadRank> dead_rank(const std::string& said) {
   std::string text;
   for (const char c : said) text += c == '\n' ? ' ' : c;
   static const std::regex pattern(R"(process rank (\d+) .*exited on signal +(\d+))");
   std::smatch match;
   if (!std::regex_search(text, match, pattern)) return std::nullopt;
-  return DeadRank{match[1], match[2]};
+  return DeadRank{std::stoi(match[1]), std::stoi(match[2])};
 }
 
 std::vector<std::string> command_line(int ranks, int argc, char** argv) {
@@ -152,11 +153,20 @@ int launch_ranks(int ranks, int argc, char** argv) {
   if (code == 127)
     throw StorageError("mpirun could not be started; install openmpi-bin or run with --ranks 1");
   if (const auto dead = dead_rank(messages.said())) {
+    fmt::print(
+        stderr,
+        "repose-dem: rank {} of {} died by signal {}{}; the same command goes on from the last "
+        "checkpoint\n",
+        dead->rank, ranks, dead->signal,
+        dead->signal == SIGKILL ? " (out of memory? ended by somebody?)" : "");
+    return 128 + dead->signal;
+  }
+  if (WIFSIGNALED(status)) {
     fmt::print(stderr,
-               "repose-dem: rank {} of {} died by signal {} (out of memory? ended by somebody?); "
-               "the same command goes on from the last checkpoint\n",
-               dead->rank, ranks, dead->signal);
-    return static_cast<int>(ErrorKind::simulation);
+               "repose-dem: mpirun died by signal {}; the same command goes on from the last "
+               "checkpoint\n",
+               WTERMSIG(status));
+    return code;
   }
   const bool is_ours = code >= 0 && code <= static_cast<int>(ErrorKind::storage);
   if (!is_ours) fmt::print(stderr, "{}", messages.said());
