@@ -57,38 +57,61 @@ void add_noise(Picture& picture, double deviation, int specks, std::uint64_t see
       channel = static_cast<std::uint8_t>(random.below(256));
 }
 
-std::string jpeg_of(const Picture& picture, int quality, int orientation) {
+namespace {
+
+/// A JPEG file of rows of samples.
+struct JpegFile {
   jpeg_compress_struct info{};
   jpeg_error_mgr errors{};
-  info.err = jpeg_std_error(&errors);
-  jpeg_create_compress(&info);
   unsigned char* buffer = nullptr;
   unsigned long size = 0;
-  jpeg_mem_dest(&info, &buffer, &size);
-  info.image_width = static_cast<JDIMENSION>(picture.width);
-  info.image_height = static_cast<JDIMENSION>(picture.height);
-  info.input_components = 3;
-  info.in_color_space = JCS_RGB;
-  jpeg_set_defaults(&info);
-  jpeg_set_quality(&info, quality, TRUE);
-  jpeg_start_compress(&info, TRUE);
+  JpegFile(int width, int height, int channels, J_COLOR_SPACE colors, int quality) {
+    info.err = jpeg_std_error(&errors);
+    jpeg_create_compress(&info);
+    jpeg_mem_dest(&info, &buffer, &size);
+    info.image_width = static_cast<JDIMENSION>(width);
+    info.image_height = static_cast<JDIMENSION>(height);
+    info.input_components = channels;
+    info.in_color_space = colors;
+    jpeg_set_defaults(&info);
+    jpeg_set_quality(&info, quality, TRUE);
+    jpeg_start_compress(&info, TRUE);
+  }
+  ~JpegFile() {
+    jpeg_destroy_compress(&info);
+    std::free(buffer);
+  }
+  void add_row(const std::uint8_t* samples) {
+    auto* line = const_cast<JSAMPLE*>(samples);
+    jpeg_write_scanlines(&info, &line, 1);
+  }
+  std::string bytes() {
+    jpeg_finish_compress(&info);
+    return {reinterpret_cast<const char*>(buffer), size};
+  }
+};
+
+}  // namespace
+
+std::string jpeg_of(const Picture& picture, int quality, int orientation) {
+  JpegFile file(picture.width, picture.height, 3, JCS_RGB, quality);
   if (orientation > 0) {
     // Big-endian TIFF with one directory of one entry: orientation, a short.
     const std::string exif =
         std::string("Exif\0\0MM\0\x2a\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0", 25) +
         static_cast<char>(orientation) + std::string(6, '\0');
-    jpeg_write_marker(&info, JPEG_APP0 + 1, reinterpret_cast<const JOCTET*>(exif.data()),
+    jpeg_write_marker(&file.info, JPEG_APP0 + 1, reinterpret_cast<const JOCTET*>(exif.data()),
                       static_cast<unsigned>(exif.size()));
   }
-  for (int row = 0; row < picture.height; ++row) {
-    auto* line = const_cast<JSAMPLE*>(reinterpret_cast<const JSAMPLE*>(&picture.at(0, row)));
-    jpeg_write_scanlines(&info, &line, 1);
-  }
-  jpeg_finish_compress(&info);
-  std::string bytes(reinterpret_cast<const char*>(buffer), size);
-  jpeg_destroy_compress(&info);
-  std::free(buffer);
-  return bytes;
+  for (int row = 0; row < picture.height; ++row) file.add_row(picture.at(0, row).data());
+  return file.bytes();
+}
+
+std::string cmyk_jpeg(int width, int height) {
+  JpegFile file(width, height, 4, JCS_CMYK, 90);
+  const std::vector<std::uint8_t> samples(4 * static_cast<std::size_t>(width), 100);
+  for (int row = 0; row < height; ++row) file.add_row(samples.data());
+  return file.bytes();
 }
 
 void write_bytes(const std::filesystem::path& path, const std::string& bytes) {

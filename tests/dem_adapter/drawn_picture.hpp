@@ -26,6 +26,9 @@ void add_noise(dem_adapter::Picture& picture, double deviation, int specks, std:
 /// A JPEG file of the quality given, with an EXIF orientation unless it is 0.
 std::string jpeg_of(const dem_adapter::Picture& picture, int quality, int orientation = 0);
 
+/// A grey JPEG file in the colours of a printer.
+std::string cmyk_jpeg(int width, int height);
+
 void write_bytes(const std::filesystem::path& path, const std::string& bytes);
 
 }  // namespace repose::test

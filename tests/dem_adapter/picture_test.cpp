@@ -67,7 +67,7 @@ TEST(PictureFile, PngComesBackBitForBit) {
   EXPECT_EQ(again.pixels, picture.pixels);
 }
 
-TEST(PictureFile, PngMayBeGreyDeepOrTransparent) {
+TEST(PictureFile, PngMayBeGreyOrTransparent) {
   const test::TemporaryDirectory directory;
   const std::vector<std::uint8_t> grey(20 * 16, 77);
   test::write_bytes(directory / "grey.png", encoded(20, 16, PNG_FORMAT_GRAY, grey.data()));
@@ -75,9 +75,27 @@ TEST(PictureFile, PngMayBeGreyDeepOrTransparent) {
   const std::vector<std::uint8_t> clear(20 * 16 * 4, 0);
   test::write_bytes(directory / "clear.png", encoded(20, 16, PNG_FORMAT_RGBA, clear.data()));
   EXPECT_EQ(read_picture(directory / "clear.png").at(3, 3), (Rgb{255, 255, 255}));
-  const std::vector<std::uint16_t> deep(20 * 16, 0xFFFF);
-  test::write_bytes(directory / "deep.png", encoded(20, 16, PNG_FORMAT_LINEAR_Y, deep.data()));
-  EXPECT_EQ(read_picture(directory / "deep.png").at(3, 3), (Rgb{255, 255, 255}));
+}
+
+/// Without the chunk of this name: four bytes of length, the name, the data, four of a checksum.
+std::string without_chunk(std::string png, const std::string& name) {
+  const auto at = png.find(name);
+  EXPECT_NE(at, std::string::npos) << name;
+  std::size_t length = 0;
+  for (std::size_t i = at - 4; i < at; ++i)
+    length = length << 8 | static_cast<std::uint8_t>(png[i]);
+  return png.erase(at - 4, length + 12);
+}
+
+TEST(PictureFile, SixteenBitsAreSRgbUnlessTheFileSaysThatTheyAreLight) {
+  const test::TemporaryDirectory directory;
+  const std::vector<std::uint16_t> grey(20 * 16, 0x8080);                       // 128 of 255
+  const std::string light = encoded(20, 16, PNG_FORMAT_LINEAR_Y, grey.data());  // writes gAMA
+  test::write_bytes(directory / "light.png", light);
+  // 255 * (0x8080 / 0xFFFF)^(1 / 2.2): libpng's power for the curve of sRGB, which gives 188.
+  EXPECT_EQ(read_picture(directory / "light.png").at(3, 3), (Rgb{186, 186, 186}));
+  test::write_bytes(directory / "plain.png", without_chunk(light, "gAMA"));
+  EXPECT_EQ(read_picture(directory / "plain.png").at(3, 3), (Rgb{128, 128, 128}));
 }
 
 TEST(PictureFile, JpegIsTurnedAsTheCameraWasHeld) {
@@ -121,6 +139,9 @@ TEST(PictureFile, DamageIsASentence) {
   EXPECT_NE(refusal(directory / "half.png").find("damaged PNG"), std::string::npos);
   test::write_bytes(directory / "half.jpg", jpeg.substr(0, jpeg.size() / 2));
   EXPECT_NE(refusal(directory / "half.jpg").find("damaged JPEG"), std::string::npos);
+  test::write_bytes(directory / "print.jpg", test::cmyk_jpeg(32, 32));
+  EXPECT_NE(refusal(directory / "print.jpg").find("(CMYK); save it as RGB"), std::string::npos)
+      << refusal(directory / "print.jpg");
   test::write_bytes(directory / "small.png", png_of(random_picture(15, 40)));
   EXPECT_NE(refusal(directory / "small.png").find("15 x 40 pixels; at least 16 x 16"),
             std::string::npos);

@@ -67,6 +67,7 @@ int orientation_of(const std::uint8_t* data, std::size_t size) {
 /// What decode() fills; no object with a destructor lives in the frame that is jumped out of.
 struct Decoded {
   Picture picture;
+  J_COLOR_SPACE colors = JCS_UNKNOWN;
   int orientation = 1;
   std::size_t width = 0, height = 0;
 };
@@ -91,6 +92,7 @@ bool decode(const std::string& bytes, Decoding what, Decoded& to, Failure& failu
   if (what == Decoding::header) {
     to.width = info.image_width;
     to.height = info.image_height;
+    to.colors = info.jpeg_color_space;
     for (auto marker = info.marker_list; marker != nullptr; marker = marker->next)
       if (marker->marker == kExif && to.orientation == 1)
         to.orientation = orientation_of(marker->data, marker->data_length);
@@ -137,6 +139,9 @@ Picture read_jpeg(const std::string& bytes, const std::string& name) {
   Failure failure;
   Decoded decoded;
   if (!decode(bytes, Decoding::header, decoded, failure)) damaged(name, failure);
+  if (decoded.colors == JCS_CMYK || decoded.colors == JCS_YCCK)
+    throw InputError(fmt::format(
+        "'{}' is a JPEG file in the colours of a printer (CMYK); save it as RGB", name));
   check_size(name, decoded.width, decoded.height);
   decoded.picture = Picture(static_cast<int>(decoded.width), static_cast<int>(decoded.height));
   if (!decode(bytes, Decoding::pixels, decoded, failure)) damaged(name, failure);

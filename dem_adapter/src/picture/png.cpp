@@ -29,6 +29,7 @@ Picture read_png(const std::string& bytes, const std::string& name) {
   if (png_image_begin_read_from_memory(&png.image, bytes.data(), bytes.size()) == 0)
     damaged(name, png.image.message);
   check_size(name, png.image.width, png.image.height);
+  png.image.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;  // where the file does not say otherwise
   png.image.format = PNG_FORMAT_RGB;
   Picture picture(static_cast<int>(png.image.width), static_cast<int>(png.image.height));
   const png_color white{255, 255, 255};

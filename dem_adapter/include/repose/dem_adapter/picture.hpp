@@ -38,10 +38,10 @@ struct PixelBox {
 /// More pixels are refused: 100 million need about a gigabyte.
 inline constexpr std::size_t kMostPixels = 100'000'000;
 
-/// A PNG or JPEG file, told by its content. Grey, palette and 16-bit PNG become RGB, transparent
-/// pixels white; JPEG is turned as its EXIF orientation says. Throws StorageError if the file
-/// cannot be read, InputError if it is neither, is damaged, has fewer than 16 x 16 pixels or too
-/// many.
+/// A PNG or JPEG file, told by its content. Grey, palette and 16-bit PNG become RGB (as sRGB,
+/// unless the file says that it is encoded otherwise), transparent pixels white; JPEG is turned as
+/// its EXIF orientation says. Throws StorageError if the file cannot be read, InputError if it is
+/// neither, is damaged, in CMYK, has fewer than 16 x 16 pixels or too many.
 Picture read_picture(const std::filesystem::path& path);
 
 /// Throws InputError unless the box lies within the picture.
