@@ -122,6 +122,29 @@ TEST(DischargeFlow, IsUndefinedWhereNothingFlows) {
   EXPECT_TRUE(std::isnan(discharge_flow({}).rate_kg_s));
 }
 
+TEST(DischargeFlow, OfTwoPointsIsRefusedInsteadOfDenied) {
+  try {
+    measure_flow({{0.0, 1.0}, {10.0, 5.0}});
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("has 2 points, at least 3 are needed"),
+              std::string::npos)
+        << error.what();
+  }
+  EXPECT_TRUE(std::isnan(discharge_flow({{0.0, 1.0}, {10.0, 5.0}}).discharged_kg));
+}
+
+TEST(DischargeFlow, OfALoadCellThatWasSetToZeroHasNoFraction) {
+  auto curve = discharge(0.0);
+  const double first = curve.mass_kg.front();
+  for (double& mass : curve.mass_kg) mass -= first;
+  const auto m = measure_flow(curve, {.window = TimeWindow{0.5, 2.0}});
+  EXPECT_EQ(m.outcome, Outcome::kpi_undefined);
+  EXPECT_NE(m.failure.find("discharged_fraction is undefined"), std::string::npos);
+  EXPECT_EQ(m.kpis.count("discharged_fraction"), 0U);
+  EXPECT_NEAR(m.kpis.at("mass_flow_kg_s"), 10.0, 1e-9);
+}
+
 TEST(DischargeFlow, RefusesCurvesAndOptionsThatMakeNoSense) {
   EXPECT_THROW(discharge_flow({{0.0, 1.0}, {1.0}}), InputError);
   EXPECT_THROW(discharge_flow({{0.0, 1.0, 1.0}, {3.0, 2.0, 1.0}}), InputError);
@@ -139,7 +162,7 @@ scene::Case plain_case() {
              {.first = "sand", .second = "steel", .restitution = 0.5, .mu_s = 0.5, .mu_r = 0.1}};
   c.lower_m = {0.0, 0.0, 0.0};
   c.upper_m = {1.0, 1.0, 1.0};
-  c.regions = {{"box", {0, 0, 0}, {1, 1, 1}}};
+  c.regions = {{"box", {0, 0, 0}, {1, 1, 1}}, {"bin", {0, 0, 0}, {1, 1, 1}}};
   c.particles.emplace_back();
   c.particles[0].material = "sand";
   c.particles[0].radius_m = 0.01;
@@ -195,7 +218,9 @@ TEST(RunBulk, FlowAndContactsComeFromTheSeriesOfTheRun) {
     const double mass = 2.0 * std::min(t / 0.5, 1.0) - 4.0 * std::clamp(t - 1.0, 0.0, 0.5);
     std::vector<double> masses;
     for (const auto& column : columns)
-      masses.push_back(column.find("steel") != std::string::npos ? 0.0 : mass);
+      masses.push_back(column.find("steel") != std::string::npos ? 0.0
+                       : column.find("bin") != std::string::npos ? 5.0  // stays
+                                                                 : mass);
     writer.add_row(scene::SeriesRow{.time_s = t, .region_mass_kg = masses});
     const double n = i <= 100 ? 7.0 : i % 2 == 0 ? 10.0 : 30.0;  // of contacts
     writer.add_row(scene::ContactRow{.time_s = t,
@@ -220,6 +245,7 @@ TEST(RunBulk, FlowAndContactsComeFromTheSeriesOfTheRun) {
   EXPECT_NEAR(flow.kpis.at("discharged_fraction"), 1.0, 1e-12);
   EXPECT_NEAR(measure_flow(curve).kpis.at("mass_flow_kg_s"), 4.0, 0.1);
   EXPECT_THROW(discharge_curve(run, "hopper"), InputError);
+  EXPECT_EQ(measure_flow(discharge_curve(run, "bin")).outcome, Outcome::nothing_flowed);
   // 50 rows of 10 contacts and 50 of 30, each with 100 N in all: 10,000 N over 2,000 contacts.
   const auto contacts = measure_contacts(run);
   EXPECT_EQ(contacts.kpis.size(), 1U);

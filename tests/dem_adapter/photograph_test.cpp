@@ -169,6 +169,31 @@ TEST(Photograph, SaysWhatIsWrong) {
   EXPECT_NE(view.warnings[0].find("columns reach the picture's upper edge"), std::string::npos);
 }
 
+TEST(Photograph, RefusesWhatItsShapeDoesNotHaveAndPlacesThatMakeNoSense) {
+  const auto good = photograph({100.0, 20.0, 95.0, 40.0, 40.0}, 200, 100);
+  const auto floor = [&](double z) { return refusal(good, {}, {.floor_m = z}); };
+  EXPECT_NE(floor(-5000.0).find("z = -5000 px lies outside the view, which reaches from -100 to 0"),
+            std::string::npos)
+      << floor(-5000.0);
+  EXPECT_NE(floor(1.0).find("lies outside"), std::string::npos);
+  EXPECT_EQ(floor(-95.0), "accepted");
+  EXPECT_EQ(floor(-101.0), "accepted");  // a pixel below the view
+  const std::pair<double, double> outlet{80.0, 120.0};
+  EXPECT_NE(refusal(good, {}, {.outlet_m = outlet}).find("outlet has no meaning for a heap"),
+            std::string::npos);
+  const auto slopes = [&](EdgeOptions options) {
+    options.shape = EdgeShape::slopes;
+    if (!options.outlet_m) options.outlet_m = outlet;
+    return refusal(good, {}, options);
+  };
+  EXPECT_NE(slopes({.axis_m = 100.0}).find("axis has no meaning for slopes"), std::string::npos);
+  EXPECT_NE(slopes({.toe_m = 2.0}).find("toe has no meaning"), std::string::npos);
+  EXPECT_NE(slopes({.from = 0.1}).find("part of the height"), std::string::npos);
+  EXPECT_NE(slopes({.to = 0.9}).find("part of the height"), std::string::npos);
+  EXPECT_NE(slopes({.outlet_m = std::pair(120.0, 80.0)}).find("must lie left of its right end"),
+            std::string::npos);
+}
+
 TEST(Otsu, SplitsTwoValuesInTheMiddleAndMatchesTheTwin) {
   const std::vector<float> two{0.0F, 0.0F, 0.0F, 100.0F, 100.0F};
   EXPECT_NEAR(otsu_threshold(two), 50.0, 0.4);  // a bin

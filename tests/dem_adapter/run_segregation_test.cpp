@@ -3,7 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "drawn_picture.hpp"
 #include "repose/base/error.hpp"
@@ -86,6 +90,32 @@ TEST(GridSegregation, HasTenReferenceDiametersForDefaultAndWritesItsBins) {
   EXPECT_NE(both.measurement.warnings[0].find("bins of 5"), std::string::npos);
 }
 
+TEST(GridSegregation, OfAComponentThatLiesInNoBinUsedIsUndefinedByName) {
+  // Ten even layers of two components, and a thin one of dust on top that is left out.
+  Mixture mixture{.components = {"pellet", "sinter", "dust"}};
+  for (int i = 0; i < 1010; ++i) {
+    mixture.component.push_back(i < 1000 ? i % 2 : 2);
+    mixture.position.push_back({0.0, 0.0, i < 1000 ? (i + 0.5) / 1000.0 : 1.05});
+    mixture.mass_kg.push_back(1.0);
+    mixture.volume_m3.push_back(1e-6);
+  }
+  const auto result = measure_segregation(mixture, {.kind = GridKind::vertical,
+                                                    .sizes = {0.1},
+                                                    .origin = scene::Vec3{0.0, 0.0, 0.0},
+                                                    .least_fill = 0.9});
+  const auto& m = result.measurement;
+  EXPECT_EQ(m.outcome, Outcome::kpi_undefined);
+  EXPECT_NE(m.failure.find("rsd_vertical_dust is undefined"), std::string::npos) << m.failure;
+  ASSERT_EQ(m.warnings.size(), 1U);
+  EXPECT_NE(m.warnings[0].find("no grain of 'dust' lies in the 10 bins used"), std::string::npos);
+  EXPECT_NEAR(m.kpis.at("rsd_vertical_pellet"), 0.0, 1e-12);
+  EXPECT_EQ(m.kpis.size(), 2U);
+  for (const auto& [name, value] : m.details) EXPECT_TRUE(std::isfinite(value)) << name;
+  EXPECT_TRUE(std::isnan(result.sizes.numbers("rsd_dust")[0]));
+  EXPECT_FALSE(result.bins.has("nmr_dust"));
+  EXPECT_TRUE(result.bins.has("nmr_sinter"));
+}
+
 TEST(SliceSegregation, OfAPhotographIsThatOfItsColours) {
   // Pellets on the left half: six slices side by side are pure, three above each other half and
   // half.
@@ -103,15 +133,26 @@ TEST(SliceSegregation, OfAPhotographIsThatOfItsColours) {
   EXPECT_THROW(measure_slices(view_of_photograph(picture, {})), InputError);
 }
 
-TEST(DischargeSegregation, OfARunIsThatOfItsRegion) {
-  const test::TemporaryDirectory directory;
+/// Grains of 2 kg, so many of each material of the run.
+struct Layer {
+  double time_s = 0.0;
+  std::string stage;
+  std::array<int, 3> grains{};
+};
+
+/// A run of pellets, sinter and coke in a box of steel, with the region "outlet": between 0.8 and
+/// 3.2 s it holds `kg` of each, before and after a hundredth of it.
+scene::Run discharge_run(const std::filesystem::path& folder, const std::vector<Layer>& layers,
+                         const std::array<double, 3>& kg) {
+  const std::vector<std::string> names{"pellet", "sinter", "coke", "box"};
   scene::Case c;
-  c.materials = {
-      {"pellet", 4000.0, 1e7, 0.3}, {"sinter", 3000.0, 1e7, 0.3}, {"box", 7800.0, 1e9, 0.3}};
-  for (const char* a : {"pellet", "sinter"})
-    for (const char* b : {"pellet", "sinter", "box"})
-      if (std::string(a) != "sinter" || std::string(b) != "pellet")
-        c.pairs.push_back({.first = a, .second = b, .restitution = 0.5, .mu_s = 0.5, .mu_r = 0.1});
+  for (const auto& name : names)
+    c.materials.push_back(
+        {.name = name, .density_kg_m3 = 4000.0, .youngs_modulus_pa = 1e7, .poissons_ratio = 0.3});
+  for (std::size_t a = 0; a < 3; ++a)
+    for (std::size_t b = a; b < 4; ++b)
+      c.pairs.push_back(
+          {.first = names[a], .second = names[b], .restitution = 0.5, .mu_s = 0.5, .mu_r = 0.1});
   c.lower_m = {-1, -1, -1};
   c.upper_m = {1, 1, 1};
   c.regions = {{"outlet", {-1, -1, -1}, {1, 1, 0}}};
@@ -119,33 +160,45 @@ TEST(DischargeSegregation, OfARunIsThatOfItsRegion) {
   c.particles[0].material = "pellet";
   c.particles[0].radius_m = 0.01;
   c.particles[0].position = {0, 0, 0.5};
-  c.stages = {{.name = "flow", .duration_s = 1.0}};
-  scene::Snapshot s{.stage = "flow", .materials = {"pellet", "sinter", "box"}};
-  for (int i = 0; i < 4; ++i) {  // one quarter of the mass is pellets
-    s.id.push_back(i);
-    s.body.push_back(i);
-    s.material.push_back(i == 0 ? 0 : 1);
-    s.radius_m.push_back(0.01);
-    s.mass_kg.push_back(2.0);
-    s.position.push_back({0.0, 0.0, 0.1 * i});
-  }
-  s.velocity = s.angular_velocity = std::vector<scene::Vec3>(4, scene::Vec3::Zero());
-  scene::RunWriter writer(directory / "run", c);
-  const auto columns = scene::region_columns(c);
+  for (const auto& layer : layers)
+    if (c.stages.empty() || c.stages.back().name != layer.stage)
+      c.stages.push_back({.name = layer.stage, .duration_s = 1.0});
+  scene::RunWriter writer(folder, c);
   for (int i = 0; i <= 20; ++i) {
-    const double total = i < 4 || i > 16 ? 0.01 : 1.0;
+    const double part = i < 4 || i > 16 ? 0.01 : 1.0;
     std::vector<double> masses;
-    for (const auto& column : columns)
-      masses.push_back(column.find("pellet") != std::string::npos   ? total * 0.5
-                       : column.find("sinter") != std::string::npos ? total * 0.5
-                       : column.find("box") != std::string::npos    ? 0.0
-                                                                    : total);
+    for (const auto& column : scene::region_columns(c)) {
+      const auto at = std::find_if(names.begin(), names.end(), [&](const std::string& name) {
+        return column.find(name) != std::string::npos;
+      });
+      const auto k = static_cast<std::size_t>(at - names.begin());
+      masses.push_back(part * (k < 3 ? kg[k] : k == 3 ? 0.0 : kg[0] + kg[1] + kg[2]));
+    }
     writer.add_row(scene::SeriesRow{.time_s = 0.2 * i, .region_mass_kg = masses});
   }
-  writer.write_snapshot(s);
+  for (const auto& layer : layers) {
+    scene::Snapshot s{.time_s = layer.time_s, .stage = layer.stage, .materials = names};
+    for (std::size_t k = 0; k < 3; ++k)
+      for (int i = 0; i < layer.grains[k]; ++i) {
+        s.id.push_back(static_cast<std::int64_t>(s.id.size()));
+        s.material.push_back(static_cast<std::int64_t>(k));
+        s.position.push_back({0.0, 0.0, 0.1 * static_cast<double>(s.id.size())});
+      }
+    s.body = s.id;
+    s.radius_m.assign(s.size(), 0.01);
+    s.mass_kg.assign(s.size(), 2.0);
+    s.velocity = s.angular_velocity = std::vector<scene::Vec3>(s.size(), scene::Vec3::Zero());
+    writer.write_snapshot(s);
+  }
   writer.finish({.steps = 1, .time_step_s = 1.0, .engine = "none", .version = "1"});
-  const auto run = scene::read_run(directory / "run");
+  return scene::read_run(folder);
+}
+
+TEST(DischargeSegregation, OfARunIsThatOfItsRegion) {
+  const test::TemporaryDirectory directory;
+  const auto run = discharge_run(directory / "run", {{0.0, "flow", {1, 3, 0}}}, {0.5, 0.5, 0.0});
   const auto result = measure_discharge_segregation(run, "outlet");
+  EXPECT_EQ(result.measurement.kpis.size(), 2U);  // there is no coke
   EXPECT_NEAR(result.measurement.kpis.at("si_outlet_pellet"), (0.5 - 0.25) / 0.75, 1e-12);
   EXPECT_NEAR(result.measurement.kpis.at("si_outlet_sinter"), 0.25 / 0.25, 1e-12);
   EXPECT_NEAR(result.measurement.details.at("time_min_s"), 0.8, 1e-12);
@@ -153,6 +206,44 @@ TEST(DischargeSegregation, OfARunIsThatOfItsRegion) {
   EXPECT_EQ(result.series.rows(), 13U);
   EXPECT_NEAR(result.series.numbers("nmr_pellet")[7], 2.0, 1e-12);
   EXPECT_THROW(measure_discharge_segregation(run, "inlet"), InputError);
+}
+
+TEST(DischargeSegregation, SeesAMaterialThatNeverArrives) {
+  const test::TemporaryDirectory directory;
+  const auto run = discharge_run(directory / "run", {{0.0, "flow", {5, 5, 5}}}, {0.5, 0.5, 0.0});
+  const auto m = measure_discharge_segregation(run, "outlet").measurement;
+  EXPECT_NEAR(m.details.at("initial_share_pellet"), 1.0 / 3.0, 1e-12);
+  EXPECT_NEAR(m.kpis.at("si_outlet_pellet"), (0.5 - 1.0 / 3.0) / (2.0 / 3.0), 1e-12);
+  EXPECT_NEAR(m.kpis.at("si_outlet_coke"), (1.0 / 3.0) / (2.0 / 3.0), 1e-12);
+  EXPECT_EQ(m.kpis.size(), 3U);  // none of steel
+  const auto pure = discharge_run(directory / "pure", {{0.0, "flow", {5, 5, 5}}}, {1.0, 0.0, 0.0});
+  EXPECT_NEAR(measure_discharge_segregation(pure, "outlet").measurement.kpis.at("si_outlet_pellet"),
+              1.0, 1e-12);
+}
+
+TEST(DischargeSegregation, TakesItsInitialSharesWhenAllIsFilledInOrWhenItIsTold) {
+  const test::TemporaryDirectory directory;
+  // Filled in layers; later all flows out, pellets first.
+  const auto run = discharge_run(directory / "run",
+                                 {{1.0, "fill_pellets", {4, 0, 0}},
+                                  {2.0, "fill_sinter", {4, 4, 0}},
+                                  {3.0, "settle", {4, 4, 0}},
+                                  {4.0, "discharge", {1, 4, 0}}},
+                                 {0.5, 0.5, 0.0});
+  const auto by_default = measure_discharge_segregation(run, "outlet").measurement;
+  EXPECT_EQ(by_default.details.at("initial_time_s"), 3.0);
+  EXPECT_NEAR(by_default.details.at("initial_share_pellet"), 0.5, 1e-12);
+  EXPECT_NEAR(by_default.kpis.at("si_outlet_pellet"), 0.0, 1e-12);
+  const auto told = measure_discharge_segregation(run, "outlet", {.initial_snapshot = 3});
+  EXPECT_NEAR(told.measurement.details.at("initial_share_pellet"), 0.2, 1e-12);
+  try {
+    measure_discharge_segregation(run, "outlet", {.initial_snapshot = 0});
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("'sinter' comes into region 'outlet'"),
+              std::string::npos)
+        << error.what();
+  }
 }
 
 }  // namespace

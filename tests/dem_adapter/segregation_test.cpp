@@ -166,8 +166,6 @@ TEST(NormalisedRatios, AverageToOneOverAllBins) {
   for (Eigen::Index k = 0; k < 2; ++k) EXPECT_NEAR(ratio.col(k).dot(mass) / mass.sum(), 1.0, 1e-13);
   for (Eigen::Index j = 0; j < ratio.rows(); ++j)
     EXPECT_NEAR(ratio.row(j).dot(share.transpose()), 1.0, 1e-13);
-  const Eigen::MatrixXd half = normalised_ratios(bins.mass_kg, Eigen::VectorXd::Constant(2, 0.5));
-  EXPECT_NEAR(half(3, 0), 2.0 * concentrations(bins.mass_kg)(3, 0), 1e-15);
 }
 
 TEST(FilledBins, LeaveOutTheRim) {
@@ -194,10 +192,18 @@ TEST(CenterOfMassShift, IsHalfTheDepthAtMost) {
     }
     return mixture;
   };
-  EXPECT_NEAR(center_of_mass_shift(layered(1), layered(0), "a", 1.0), 0.5, 1e-12);
-  EXPECT_NEAR(center_of_mass_shift(layered(1), layered(0), "b", 1.0), -0.5, 1e-12);
-  EXPECT_THROW(center_of_mass_shift(layered(1), layered(0), "c", 1.0), InputError);
-  EXPECT_THROW(center_of_mass_shift(layered(1), layered(0), "a", 0.0), InputError);
+  const auto shift = center_of_mass_shifts(layered(1), layered(0));
+  // Between the lowest and the highest centre lie 999 of the 1000 spacings.
+  EXPECT_NEAR(shift.at("a"), 0.5 * 1000.0 / 999.0, 1e-12);
+  EXPECT_NEAR(shift.at("b"), -0.5 * 1000.0 / 999.0, 1e-12);
+  EXPECT_EQ(center_of_mass_shifts(layered(1), layered(1)).at("a"), 0.0);
+  auto other = layered(0);
+  other.components[1] = "c";
+  EXPECT_EQ(center_of_mass_shifts(layered(1), other).size(), 1U);
+  auto flat = layered(0);
+  for (auto& x : flat.position) x.z() = 0.5;
+  EXPECT_THROW(center_of_mass_shifts(flat, layered(0)), InputError);
+  EXPECT_THROW(center_of_mass_shifts({}, layered(0)), InputError);
 }
 
 /// A stream that is all component 0, then mixed as in the hopper, then all component 1; 100 kg when
@@ -229,11 +235,34 @@ TEST(SegregationOverTime, FollowsTheEquationsOfTheThesis) {
   EXPECT_NEAR(s.normalised_ratio(15, 1), 1.0, 1e-14);
 }
 
-TEST(SegregationOverTime, TakesTheFullStateAndTheShareThatAreGiven) {
+TEST(SegregationOverTime, WeighsRowsByTheTimeThatTheyStandFor) {
+  // A sixth row right after the third, as the end of a stage adds one: the plain mean would be 2 /
+  // 6 instead of 1 / 5.
+  constexpr double kLate = 1e-6;
+  Composition c{.time_s = {0.0, 1.0, 2.0, 2.0 + kLate, 3.0, 4.0}, .mass_kg = {}};
+  c.mass_kg.resize(6, 2);
+  c.mass_kg.setConstant(2.0);
+  for (const int i : {2, 3}) c.mass_kg.row(i) << 4.0, 0.0;
+  const auto s = segregation_over_time(c, Eigen::Vector2d(0.5, 0.5));
+  ASSERT_EQ(s.used.size(), 6U);
+  EXPECT_NEAR(s.mean_index[0], 0.2, kLate);
+  // A gap below the 2 % does not lend its time to the rows beside it: SI 1 from 0 to 2 s, nothing
+  // from 3 to 6 s, SI 0 from 7 to 8 s.
+  Composition gap;
+  gap.mass_kg.resize(9, 2);
+  for (int i = 0; i < 9; ++i) {
+    gap.time_s.push_back(i);
+    gap.mass_kg.row(i) << (i < 3 ? 2.0 : i < 7 ? 0.0 : 1.0), (i < 7 ? 0.0 : 1.0);
+  }
+  const auto apart = segregation_over_time(gap, Eigen::Vector2d(0.5, 0.5));
+  ASSERT_EQ(apart.used.size(), 5U);
+  EXPECT_NEAR(apart.mean_index[0], 3.0 / 5.0, 1e-15);
+}
+
+TEST(SegregationOverTime, TakesTheLeastShareThatIsGiven) {
   const Eigen::Vector2d half(0.5, 0.5);
-  EXPECT_EQ(segregation_over_time(stream(), half, {.full_kg = 50.0}).used.size(), 50U);
   EXPECT_EQ(segregation_over_time(stream(), half, {.least_share = 0.0}).used.size(), 50U);
-  EXPECT_THROW(segregation_over_time(stream(), half, {.full_kg = 1e6}), InputError);
+  EXPECT_THROW(segregation_over_time(stream(), half, {.least_share = 1.0}), InputError);
   EXPECT_THROW(segregation_over_time(stream(), Eigen::Vector2d(0.0, 1.0)), InputError);
   EXPECT_THROW(segregation_over_time({{}, Eigen::MatrixXd(0, 2)}, half), InputError);
 }

@@ -99,6 +99,10 @@ TEST(MeasureCommand, GivesSegregationOverBinsWithItsSensitivityToTheirSize) {
   EXPECT_NEAR(json["sizes"]["rsd_pellet"][1].get<double>(), std::sqrt(8.0 / 7.0), 0.01);
   EXPECT_NEAR(json["details"]["li_pellet"].get<double>(), 1.0, 0.01);
   EXPECT_EQ(table::read_table({bench / "bins.csv", ""}).rows(), 4U);
+  const auto still =
+      bench.run("repose", "measure run --grid x --bin 0.1 --initial pour --snapshot 1 --json");
+  ASSERT_EQ(still.code, 0) << still.err;
+  EXPECT_EQ(nlohmann::json::parse(still.out)["details"]["center_of_mass_shift_pellet"], 0.0);
   const auto text = bench.run("repose", "measure run --grid x --bin 0.1,0.05");
   EXPECT_NE(text.out.find("grains_per_bin"), std::string::npos);
   const auto slices = bench.run("repose", "measure run --slices 6,3 --json");
@@ -108,7 +112,8 @@ TEST(MeasureCommand, GivesSegregationOverBinsWithItsSensitivityToTheirSize) {
   for (const char* wrong :
        {"--grid x --bin 9", "--grid x --bin 0", "--bin 0.1", "--over-time nowhere",
         "--grid x --axis 0", "--grid radial --over-time upper_box", "-o a.csv",
-        "--grid x --box 0,0,0,0,0,0", "--grid x --box 8,8,8,9,9,9"}) {
+        "--grid x --box 0,0,0,0,0,0", "--grid x --box 8,8,8,9,9,9", "--initial 1",
+        "--grid x --bin 0.1 --initial 2", "--over-time upper_box --initial settled"}) {
     const auto refused = bench.run("repose", std::string("measure run ") + wrong);
     EXPECT_EQ(refused.code, 3) << wrong << refused.err;
     EXPECT_EQ(refused.out, "");
@@ -127,6 +132,10 @@ TEST(MeasureCommand, GivesTheFlowOfALoadCellAndTheDensityOfARun) {
   EXPECT_NEAR(nlohmann::json::parse(flow.out)["kpis"]["mass_flow_kg_s"].get<double>(), 12.0, 1e-4);
   EXPECT_EQ(bench.run("repose", "measure cell.csv --flow mass_kg --flow-window 0.5,1.5").code, 0);
   EXPECT_EQ(bench.run("repose", "measure cell.csv --flow mass_kg --flow-window 5,6").code, 5);
+  bench.write("two.csv", "time_s,mass_kg\n0,10\n1,5\n");
+  const auto two = bench.run("repose", "measure two.csv --flow mass_kg");
+  EXPECT_EQ(two.code, 3);
+  EXPECT_NE(two.err.find("2 points, at least 3 are needed"), std::string::npos) << two.err;
   for (const char* wrong : {"", "--flow weight", "--flow mass_kg --scale 1",
                             "--flow mass_kg --stage a", "--flow mass_kg --flow-window 2,1"})
     EXPECT_EQ(bench.run("repose", std::string("measure cell.csv ") + wrong).code, 3) << wrong;
@@ -155,7 +164,9 @@ TEST(MeasureCommand, RefusesWhatIsNoPictureWithASentenceAndCodeThree) {
        {"empty.png", "text.png", "half.png", "good.png --crop 0,0,601,300",
         "good.png --background '#12'", "good.png --background text.png", "good.png --threshold 999",
         "good.png --axis 5000", "good.png --shape slopes", "good.png --window 0,0,1,1",
-        "good.png --from 0.9 --to 0.1"}) {
+        "good.png --from 0.9 --to 0.1", "good.png --floor 5000", "good.png --outlet 200,300",
+        "good.png --shape slopes --outlet 300,200",
+        "good.png --shape slopes --outlet 200,300 --axis 250", "good.png --initial 1"}) {
     const auto said = bench.run("repose", std::string("measure ") + arguments);
     EXPECT_EQ(said.code, 3) << arguments << "\n" << said.err;
     EXPECT_GT(said.err.size(), 40U) << arguments;

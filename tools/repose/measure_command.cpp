@@ -17,7 +17,7 @@ constexpr std::initializer_list<const char*> kPhotographOnly{"--scale", "--thres
 constexpr std::initializer_list<const char*> kSnapshotOnly{
     "--snapshot",     "--view",       "--window", "--grid",   "--bin",
     "--origin",       "--least-fill", "--box",    "--output", "--over-time",
-    "--bulk-density", "--contacts",   "--stage"};
+    "--bulk-density", "--contacts",   "--stage",  "--initial"};
 constexpr std::initializer_list<const char*> kFlowOnly{"--flow", "--flow-window", "--filter"};
 
 bool is_run(const std::filesystem::path& input) {
@@ -144,6 +144,9 @@ void add_segregation_options(CLI::App& command, MeasureOptions& o) {
       ->check(CLI::Range(0.0, 1.0));
   command.add_option("--over-time", o.over_time,
                      "REGION: segregation of what passes through a region of the case");
+  command.add_option("--initial", o.initial,
+                     "NUMBER|STAGE: snapshot of the initial shares (--over-time; default: the\n"
+                     "last one with the most mass), or for the rise of centres of mass (--grid)");
   command.add_option("-o,--output", o.output, "table of bins, or of times, *.h5 or *.csv");
 }
 

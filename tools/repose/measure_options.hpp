@@ -33,7 +33,7 @@ struct MeasureOptions {
   std::vector<double> window;
   // segregation
   std::vector<int> slices;
-  std::string grid, over_time, output;
+  std::string grid, over_time, initial, output;
   std::vector<double> bins, origin, box;
   double least_fill = 0.0;
   // flow, density, contacts

@@ -23,8 +23,9 @@ struct Subject {
 };
 const std::vector<Subject>& subjects() {
   static const std::vector<Subject> kSubjects{
-      {"--grid", {"--bin", "--origin", "--least-fill", "--box", "--snapshot", "--output"}},
-      {"--over-time", {"--output"}},
+      {"--grid",
+       {"--bin", "--origin", "--least-fill", "--box", "--snapshot", "--initial", "--output"}},
+      {"--over-time", {"--output", "--initial"}},
       {"--flow", {"--flow-window", "--filter"}},
       {"--bulk-density", {"--box", "--snapshot"}},
       {"--contacts", {"--stage"}}};
@@ -64,16 +65,31 @@ const Subject* subject_of(const CLI::App& command) {
   return chosen;
 }
 
-/// The last snapshot, that of a number from 1, or the last of a stage.
+/// Index of a snapshot: a number from 1, or a stage for the last one of it.
+std::size_t snapshot_index(const scene::Run& run, const std::string& option,
+                           const std::string& wanted) {
+  const auto& snapshots = run.snapshots();
+  if (wanted.find_first_not_of("0123456789") == std::string::npos) {
+    const auto number = wanted.size() < 10 ? std::stoul(wanted) : 0UL;
+    if (number < 1 || number > snapshots.size())
+      throw InputError(
+          fmt::format("{} {}: the run has snapshots 1 to {}", option, wanted, snapshots.size()));
+    return number - 1;
+  }
+  std::vector<std::string> stages;
+  for (std::size_t i = snapshots.size(); i-- > 0;) {
+    if (snapshots[i].stage == wanted) return i;
+    if (stages.empty() || stages.back() != snapshots[i].stage) stages.push_back(snapshots[i].stage);
+  }
+  throw InputError(fmt::format("{} {}: no such stage; there are snapshots of {}", option, wanted,
+                               listed(stages)));
+}
+
+/// The one asked for by --snapshot, by default the last.
 scene::Snapshot snapshot_of(const scene::Run& run, const std::string& wanted) {
-  const std::size_t count = run.snapshots().size();
-  if (count == 0) throw InputError("the run has no snapshots");
-  if (wanted.empty()) return run.snapshot(count - 1);
-  if (wanted.find_first_not_of("0123456789") != std::string::npos) return run.end_of(wanted);
-  const auto number = wanted.size() < 10 ? std::stoul(wanted) : 0UL;
-  if (number < 1 || number > count)
-    throw InputError(fmt::format("--snapshot {}: the run has snapshots 1 to {}", wanted, count));
-  return run.snapshot(number - 1);
+  if (run.snapshots().empty()) throw InputError("the run has no snapshots");
+  return run.snapshot(wanted.empty() ? run.snapshots().size() - 1
+                                     : snapshot_index(run, "--snapshot", wanted));
 }
 
 dem_adapter::View run_view(const MeasureOptions& o, const scene::Run& run) {
@@ -113,12 +129,20 @@ Measured measured_grid(const MeasureOptions& o, const scene::Run& run) {
       .kind = dem_adapter::grid_kind(o.grid), .sizes = o.bins, .least_fill = o.least_fill};
   if (!o.origin.empty()) options.origin = scene::Vec3{o.origin[0], o.origin[1], o.origin[2]};
   auto result = dem_adapter::measure_segregation(mixture, options);
+  if (!o.initial.empty()) {
+    const auto initial = run.snapshot(snapshot_index(run, "--initial", o.initial));
+    for (const auto& [name, shift] : dem_adapter::center_of_mass_shifts(
+             dem_adapter::mixture_of(initial, run.scene(), box_of(o.box)), mixture))
+      result.measurement.details["center_of_mass_shift_" + name] = shift;
+  }
   write_output(o, result.bins);
   return {.measurement = result.measurement, .sizes = result.sizes};
 }
 
 Measured measured_over_time(const MeasureOptions& o, const scene::Run& run) {
-  const auto result = dem_adapter::measure_discharge_segregation(run, o.over_time);
+  dem_adapter::DischargeOptions options;
+  if (!o.initial.empty()) options.initial_snapshot = snapshot_index(run, "--initial", o.initial);
+  const auto result = dem_adapter::measure_discharge_segregation(run, o.over_time, options);
   write_output(o, result.series);
   return {.measurement = result.measurement};
 }

@@ -123,8 +123,12 @@ FilteredCurve gaussian_filtered(const MassCurve& curve, double deviation_s) {
 
 Flow discharge_flow(const MassCurve& curve, const FlowOptions& options) {
   check(curve, options);
-  Flow flow{
-      .rate_kg_s = kNaN, .from_s = kNaN, .to_s = kNaN, .time_98_s = kNaN, .unsteadiness = kNaN};
+  Flow flow{.rate_kg_s = kNaN,
+            .from_s = kNaN,
+            .to_s = kNaN,
+            .discharged_kg = kNaN,
+            .time_98_s = kNaN,
+            .unsteadiness = kNaN};
   const std::size_t n = curve.time_s.size();
   if (n < 3) return flow;
   const FilteredCurve filtered = gaussian_filtered(curve, options.filter_s);

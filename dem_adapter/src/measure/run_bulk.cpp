@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "case_names.hpp"
 #include "repose/base/error.hpp"
 #include "repose/base/text.hpp"
 
@@ -43,14 +44,6 @@ Density density_in(const Mixture& mixture, const scene::Region& box) {
   return density;
 }
 
-void check_region(const scene::Run& run, const std::string& region) {
-  std::vector<std::string> known;
-  for (const auto& r : run.scene().regions) known.push_back(r.name);
-  if (std::find(known.begin(), known.end(), region) == known.end())
-    throw InputError(fmt::format("the run has no region '{}'; it has {}", region,
-                                 known.empty() ? "none" : listed(known)));
-}
-
 }  // namespace
 
 std::pair<double, double> stage_span(const scene::Run& run,
@@ -67,13 +60,14 @@ std::pair<double, double> stage_span(const scene::Run& run,
 }
 
 MassCurve discharge_curve(const scene::Run& run, const std::string& region) {
-  check_region(run, region);
+  check_region(run.scene(), region);
   MassCurve curve{.time_s = run.series().numbers("time_s"),
                   .mass_kg = run.series().numbers("mass_" + region + "_kg")};
   if (curve.mass_kg.empty()) return curve;
   const double most = *std::max_element(curve.mass_kg.begin(), curve.mass_kg.end());
   const auto opened = std::find(curve.mass_kg.rbegin(), curve.mass_kg.rend(), most);
   const auto before = curve.mass_kg.rend() - opened - 1;
+  if (opened == curve.mass_kg.rbegin()) return curve;  // it never opened
   curve.time_s.erase(curve.time_s.begin(), curve.time_s.begin() + before);
   curve.mass_kg.erase(curve.mass_kg.begin(), curve.mass_kg.begin() + before);
   return curve;
@@ -81,7 +75,7 @@ MassCurve discharge_curve(const scene::Run& run, const std::string& region) {
 
 MassCurve stage_curve(const scene::Run& run, const std::string& region, const std::string& stage,
                       const std::string& material) {
-  check_region(run, region);
+  check_region(run.scene(), region);
   const auto [from, to] = stage_span(run, stage.empty() ? std::nullopt : std::optional(stage));
   const double rounding = 1e-9 * std::max(to, 1.0);
   const auto time = run.series().numbers("time_s");
@@ -103,6 +97,10 @@ MassCurve stage_curve(const scene::Run& run, const std::string& region, const st
 }
 
 Measurement measure_flow(const MassCurve& curve, const FlowOptions& options) {
+  if (curve.time_s.size() < 3)
+    throw InputError(fmt::format(
+        "the mass curve has {} point{}, at least 3 are needed; record more rows a second",
+        curve.time_s.size(), curve.time_s.size() == 1 ? "" : "s"));
   const Flow flow = discharge_flow(curve, options);
   Measurement m;
   if (!(flow.discharged_kg > 0.0)) {
@@ -117,7 +115,7 @@ Measurement measure_flow(const MassCurve& curve, const FlowOptions& options) {
   }
   m.kpis = {{"mass_flow_kg_s", flow.rate_kg_s},
             {"discharged_mass_kg", flow.discharged_kg},
-            {"discharged_fraction", flow.discharged_kg / curve.mass_kg.front()}};
+            {"discharged_fraction", flow.discharged_kg / std::max(curve.mass_kg.front(), 0.0)}};
   m.details = {{"window_from_s", flow.from_s},
                {"window_to_s", flow.to_s},
                {"opened_s", curve.time_s.front()},
@@ -128,7 +126,7 @@ Measurement measure_flow(const MassCurve& curve, const FlowOptions& options) {
         "the rate in the window deviates from its mean by {:.0f} %: the flow is not steady there, "
         "or the filter too narrow",
         100.0 * flow.unsteadiness));
-  std::erase_if(m.details, [](const auto& detail) { return !std::isfinite(detail.second); });
+  m.drop_undefined_kpis();  // the fraction of a load cell that was set to zero first
   return m;
 }
 

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
 
+#include "case_names.hpp"
 #include "repose/base/error.hpp"
-#include "repose/base/text.hpp"
 
 namespace repose::dem_adapter {
 namespace {
@@ -14,6 +16,8 @@ namespace {
 using scene::Vec3;
 using table::Role;
 
+constexpr double kRounding = 1e-9;  // of sums of masses
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kSectorDegrees = 45.0;
 constexpr double kReferenceDiameters = 10.0;  // [Hadi2026, section 6.2.3]
 
@@ -40,6 +44,14 @@ struct OneSize {
   std::vector<double> random;  ///< deviation that chance gives
   double grains_per_bin() const {
     return bins.number.sum() / static_cast<double>(bins.number.rows());
+  }
+  bool has(std::size_t component) const { return deviation[component].mean > 0.0; }
+  /// NaN for a component that lies in none of the bins used.
+  double rsd(std::size_t component) const {
+    return has(component) ? deviation[component].rsd() : kNaN;
+  }
+  double rsd_random(std::size_t component) const {
+    return has(component) ? random[component] / deviation[component].mean : kNaN;
   }
 };
 
@@ -84,54 +96,65 @@ table::Table bin_table(const Bins& bins, GridKind kind) {
                .unit = "kg",
                .values = column_of(bins.mass_kg, static_cast<Eigen::Index>(k))});
   for (std::size_t k = 0; k < bins.components.size(); ++k)
-    table.add({.name = "nmr_" + bins.components[k],
-               .values = column_of(ratio, static_cast<Eigen::Index>(k))});
+    if (const auto column = static_cast<Eigen::Index>(k); bins.mass_kg.col(column).sum() > 0.0)
+      table.add({.name = "nmr_" + bins.components[k], .values = column_of(ratio, column)});
   return table;
 }
 
-void drop_what_is_not_finite(Measurement& m) {
-  std::erase_if(m.details, [](const auto& detail) { return !std::isfinite(detail.second); });
-}
-
-/// Materials of the case that ever lie in the region, with their masses over time.
-Composition composition_of(const scene::Run& run, const std::string& region,
-                           std::vector<std::string>& components) {
-  const auto& series = run.series();
-  Composition composition{.time_s = series.numbers("time_s")};
-  const auto rows = static_cast<Eigen::Index>(composition.time_s.size());
-  for (const auto& material : run.scene().materials) {
-    const std::string name = fmt::format("mass_{}_{}_kg", region, material.name);
-    if (!series.has(name)) continue;
-    const auto mass = series.numbers(name);
-    if (std::all_of(mass.begin(), mass.end(), [](double kg) { return kg == 0.0; })) continue;
-    components.push_back(material.name);
-    composition.mass_kg.conservativeResize(rows, composition.mass_kg.cols() + 1);
-    composition.mass_kg.rightCols(1) = Eigen::Map<const Eigen::VectorXd>(mass.data(), rows);
-  }
-  if (components.size() < 2)
-    throw InputError(fmt::format("region '{}' only ever held {} component{}; segregation needs two",
-                                 region, components.size(), components.size() == 1 ? "" : "s"));
-  return composition;
-}
-
-Eigen::VectorXd initial_shares(const scene::Run& run, const std::vector<std::string>& components) {
+/// The last of the snapshots that hold the most mass: all has been filled in, nothing was taken out
+/// yet. With all grains in it, it does not matter which of them it is.
+std::size_t fullest_snapshot(const scene::Run& run) {
   if (run.snapshots().empty()) throw InputError("the run has no snapshots");
-  const auto first = run.snapshot(0);
-  Eigen::VectorXd share = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(components.size()));
-  for (std::size_t i = 0; i < first.size(); ++i) {
-    const auto& material = first.materials.at(static_cast<std::size_t>(first.material[i]));
-    const auto at = std::find(components.begin(), components.end(), material);
-    if (at != components.end()) share[at - components.begin()] += first.mass_kg[i];
+  std::size_t fullest = 0;
+  double most = 0.0;
+  for (std::size_t i = 0; i < run.snapshots().size(); ++i) {
+    const auto mass = run.snapshot(i).mass_kg;
+    const double total = std::accumulate(mass.begin(), mass.end(), 0.0);
+    if (total < (1.0 - kRounding) * most) continue;
+    fullest = i;
+    most = std::max(most, total);
   }
-  return share / share.sum();
+  return fullest;
 }
 
-void check_region(const scene::Case& scene, const std::string& name) {
-  std::vector<std::string> known;
-  for (const auto& region : scene.regions) known.push_back(region.name);
-  if (std::find(known.begin(), known.end(), name) == known.end())
-    throw InputError(fmt::format("the run has no region '{}'; it has {}", name,
-                                 known.empty() ? "none" : listed(known)));
+/// What there was at first and what was in the region over time, of each material with grains.
+struct Passage {
+  std::vector<std::string> components;
+  std::vector<double> initial_kg;
+  Composition composition;
+};
+
+Passage passage_of(const scene::Run& run, const std::string& region,
+                   const scene::Snapshot& initial) {
+  Passage passage{.composition = {.time_s = run.series().numbers("time_s")}};
+  auto& mass = passage.composition.mass_kg;
+  mass.resize(static_cast<Eigen::Index>(passage.composition.time_s.size()), 0);
+  for (const auto& material : run.scene().materials) {
+    double initial_kg = 0.0;
+    for (std::size_t i = 0; i < initial.size(); ++i)
+      if (initial.materials.at(static_cast<std::size_t>(initial.material[i])) == material.name)
+        initial_kg += initial.mass_kg[i];
+    const auto in_region =
+        run.series().numbers(fmt::format("mass_{}_{}_kg", region, material.name));
+    const bool came =
+        std::any_of(in_region.begin(), in_region.end(), [](double kg) { return kg > 0.0; });
+    if (initial_kg == 0.0 && !came) continue;  // of walls
+    if (initial_kg == 0.0)
+      throw InputError(fmt::format(
+          "'{}' comes into region '{}', but the snapshot of {:.6g} s, which the initial shares are "
+          "taken from, has no grains of it; take a later one",
+          material.name, region, initial.time_s));
+    passage.components.push_back(material.name);
+    passage.initial_kg.push_back(initial_kg);
+    mass.conservativeResize(Eigen::NoChange, mass.cols() + 1);
+    mass.rightCols(1) = Eigen::Map<const Eigen::VectorXd>(in_region.data(), mass.rows());
+  }
+  if (passage.components.size() < 2)
+    throw InputError(fmt::format(
+        "the snapshot of {:.6g} s, which the initial shares are taken from, has grains of {} "
+        "material; segregation needs two",
+        initial.time_s, passage.components.size()));
+  return passage;
 }
 
 }  // namespace
@@ -149,16 +172,21 @@ GridSegregation measure_segregation(const Mixture& mixture, const GridOptions& o
   const std::string grid = to_string(options.kind);
   for (std::size_t k = 0; k < mixture.components.size(); ++k) {
     const std::string& name = mixture.components[k];
-    m.kpis[fmt::format("rsd_{}_{}", grid, name)] = first.deviation[k].rsd();
-    m.details[fmt::format("rsd_random_{}", name)] = first.random[k] / first.deviation[k].mean;
+    m.kpis[fmt::format("rsd_{}_{}", grid, name)] = first.rsd(k);
+    m.details[fmt::format("rsd_random_{}", name)] = first.rsd_random(k);
     m.details[fmt::format("deviation_{}", name)] = first.deviation[k].deviation;
+    if (!first.has(k))
+      m.warnings.push_back(
+          fmt::format("no grain of '{}' lies in the {} bins used; leave out fewer (least fill {}) "
+                      "or give a larger size",
+                      name, first.bins.cell.size(), options.least_fill));
   }
   m.details["bins"] = static_cast<double>(first.bins.cell.size());
   m.details["grains_per_bin"] = first.grains_per_bin();
   m.details["bin_size"] = sizes.front();
   m.details["reference_diameter_m"] = reference;
   if (mixture.components.size() > 1 && first.grains_per_bin() > 1.0) add_indices(first.bins, m);
-  drop_what_is_not_finite(m);
+  m.drop_undefined_kpis();
 
   std::vector<double> used, bins, grains;
   std::vector<std::vector<double>> rsd(mixture.components.size()), random = rsd;
@@ -174,8 +202,8 @@ GridSegregation measure_segregation(const Mixture& mixture, const GridOptions& o
     bins.push_back(static_cast<double>(one.bins.cell.size()));
     grains.push_back(one.grains_per_bin());
     for (std::size_t k = 0; k < rsd.size(); ++k) {
-      rsd[k].push_back(one.deviation[k].rsd());
-      random[k].push_back(one.random[k] / one.deviation[k].mean);
+      rsd[k].push_back(one.rsd(k));
+      random[k].push_back(one.rsd_random(k));
     }
   }
   result.sizes.add({.name = "size",
@@ -215,12 +243,15 @@ Measurement measure_slices(const View& view, int horizontal, int vertical) {
 }
 
 DischargeSegregation measure_discharge_segregation(const scene::Run& run, const std::string& region,
-                                                   const OverTimeOptions& options) {
+                                                   const DischargeOptions& options) {
   check_region(run.scene(), region);
-  std::vector<std::string> components;
-  const Composition composition = composition_of(run, region, components);
-  const Eigen::VectorXd share = initial_shares(run, components);
-  const auto over_time = segregation_over_time(composition, share, options);
+  const auto initial =
+      run.snapshot(options.initial_snapshot ? *options.initial_snapshot : fullest_snapshot(run));
+  const auto [components, initial_kg, composition] = passage_of(run, region, initial);
+  Eigen::VectorXd share = Eigen::Map<const Eigen::VectorXd>(
+      initial_kg.data(), static_cast<Eigen::Index>(initial_kg.size()));
+  share /= share.sum();
+  const auto over_time = segregation_over_time(composition, share, options.over_time);
   DischargeSegregation result;
   auto& m = result.measurement;
   std::vector<double> time, mass;
@@ -231,6 +262,7 @@ DischargeSegregation measure_discharge_segregation(const scene::Run& run, const 
   m.details["time_min_s"] = time.front();
   m.details["time_max_s"] = time.back();
   m.details["times"] = static_cast<double>(time.size());
+  m.details["initial_time_s"] = initial.time_s;
   result.series.add({.name = "time_s", .unit = "s", .values = time});
   result.series.add({.name = "normalised_time", .values = over_time.normalised_time});
   result.series.add({.name = "mass_kg", .unit = "kg", .values = mass});

@@ -22,6 +22,32 @@ double squares(const Eigen::VectorXd& values, double center) {
   return (values.array() - center).square().sum();
 }
 
+/// Of the centre of mass of each component, m.
+std::map<std::string, double> heights_of(const Mixture& mixture) {
+  std::map<std::string, double> mass, height;
+  for (std::size_t i = 0; i < mixture.size(); ++i) {
+    const auto& name = mixture.components[static_cast<std::size_t>(mixture.component[i])];
+    mass[name] += mixture.mass_kg[i];
+    height[name] += mixture.mass_kg[i] * mixture.position[i].z();
+  }
+  for (auto& [name, moment] : height) moment /= mass[name];
+  return height;
+}
+
+/// What each of these times stands for: half of what lies between its neighbours among all times.
+Eigen::VectorXd durations(const std::vector<double>& time_s, const std::vector<std::size_t>& rows) {
+  Eigen::VectorXd duration = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(rows.size()));
+  const std::size_t last = time_s.size() - 1;
+  if (last == 0) return duration;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const std::size_t i = rows[r];
+    const double before = i > 0 ? time_s[i] - time_s[i - 1] : time_s[1] - time_s[0];
+    const double after = i < last ? time_s[i + 1] - time_s[i] : before;
+    duration[static_cast<Eigen::Index>(r)] = 0.5 * (before + after);
+  }
+  return duration;
+}
+
 }  // namespace
 
 Eigen::MatrixXd concentrations(const Eigen::MatrixXd& amounts) {
@@ -79,11 +105,9 @@ double random_deviation(const Mixture& mixture, int component, Basis basis,
   return std::sqrt(inverse_count * (spread / n) / std::pow(all / n, 2) * n / (n - 1.0));
 }
 
-Eigen::MatrixXd normalised_ratios(const Eigen::MatrixXd& amounts,
-                                  std::optional<Eigen::VectorXd> share) {
-  const Eigen::VectorXd whole =
-      share ? *share : Eigen::VectorXd(amounts.colwise().sum().transpose() / amounts.sum());
-  return concentrations(amounts).array().rowwise() / whole.transpose().array();
+Eigen::MatrixXd normalised_ratios(const Eigen::MatrixXd& amounts) {
+  const Eigen::RowVectorXd share = amounts.colwise().sum() / amounts.sum();
+  return concentrations(amounts).array().rowwise() / share.array();
 }
 
 SegregationIndices segregation_indices(const Bins& bins, int tracer) {
@@ -118,21 +142,21 @@ SegregationIndices segregation_indices(const Bins& bins, int tracer) {
   return index;
 }
 
-double center_of_mass_shift(const Mixture& initial, const Mixture& final,
-                            const std::string& component, double depth_m) {
-  if (!(depth_m > 0.0))
-    throw InputError(fmt::format("the depth of the bed is {} m; it must be above 0", depth_m));
-  const auto height = [&](const Mixture& mixture) {
-    double mass = 0.0, moment = 0.0;
-    for (std::size_t i = 0; i < mixture.size(); ++i) {
-      if (mixture.components[static_cast<std::size_t>(mixture.component[i])] != component) continue;
-      mass += mixture.mass_kg[i];
-      moment += mixture.mass_kg[i] * mixture.position[i].z();
-    }
-    if (!(mass > 0.0)) throw InputError(fmt::format("there are no grains of '{}'", component));
-    return moment / mass;
-  };
-  return (height(final) - height(initial)) / depth_m;
+std::map<std::string, double> center_of_mass_shifts(const Mixture& initial, const Mixture& final) {
+  const auto is_lower = [](const scene::Vec3& a, const scene::Vec3& b) { return a.z() < b.z(); };
+  const auto [lowest, highest] =
+      std::minmax_element(initial.position.begin(), initial.position.end(), is_lower);
+  const double depth = initial.size() > 0 ? highest->z() - lowest->z() : 0.0;
+  if (!(depth > 0.0))
+    throw InputError(fmt::format(
+        "the depth of the initial bed is {} m; the rise of a centre of mass needs one above 0",
+        depth));
+  const auto before = heights_of(initial), after = heights_of(final);
+  std::map<std::string, double> shifts;
+  for (const auto& [name, height] : before)
+    if (const auto now = after.find(name); now != after.end())
+      shifts[name] = (now->second - height) / depth;
+  return shifts;
 }
 
 SegregationOverTime segregation_over_time(const Composition& composition,
@@ -143,7 +167,7 @@ SegregationOverTime segregation_over_time(const Composition& composition,
       throw InputError(fmt::format(
           "the initial share of a component is {}; it must lie between 0 and 1", share));
   const Eigen::VectorXd total = composition.mass_kg.rowwise().sum();
-  const double full = options.full_kg.value_or(total.size() > 0 ? total.maxCoeff() : 0.0);
+  const double full = total.size() > 0 ? total.maxCoeff() : 0.0;
   SegregationOverTime result;
   for (Eigen::Index i = 0; i < total.size(); ++i)
     if (total[i] > 0.0 && total[i] > options.least_share * full)
@@ -161,7 +185,8 @@ SegregationOverTime segregation_over_time(const Composition& composition,
   const Eigen::ArrayXXd chi0 = initial_share.transpose().replicate(rows, 1).array();
   result.index = (chi - chi0).abs() / (1.0 - chi0);
   result.normalised_ratio = chi / chi0;
-  result.mean_index = result.index.colwise().mean().transpose();
+  const Eigen::VectorXd duration = durations(composition.time_s, result.used);
+  result.mean_index = result.index.transpose() * duration / duration.sum();
   const double first = composition.time_s[result.used.front()];
   const double span = composition.time_s[result.used.back()] - first;
   for (const std::size_t row : result.used)

@@ -41,6 +41,32 @@ void check_within(const View& view, const char* name, double x) {
                     name, x, view.unit, view.left_m, right_m(view)));
 }
 
+/// A floor may lie as far below the view as its lowest grain is sunk into it.
+void check_floor(const View& view, double floor) {
+  const double top = view.bottom_m + view.picture.height * view.pixel_m;
+  if (!(floor >= view.bottom_m - std::max(view.pixel_m, view.largest_grain_m) && floor <= top))
+    throw InputError(fmt::format(
+        "floor: z = {:.6g} {} lies outside the view, which reaches from {:.6g} to {:.6g} (z of a "
+        "photograph is minus its row)",
+        floor, view.unit, view.bottom_m, top));
+}
+
+/// Throws InputError if an option is given that its shape does not have.
+void check_shape(const EdgeOptions& options) {
+  const char* shape = options.shape == EdgeShape::heap     ? "a heap"
+                      : options.shape == EdgeShape::slopes ? "slopes"
+                                                           : "a surface";
+  const auto refuse = [&](const char* option, bool is_given) {
+    if (is_given)
+      throw InputError(fmt::format("{} has no meaning for {}; leave it out", option, shape));
+  };
+  if (options.shape != EdgeShape::slopes) refuse("outlet", options.outlet_m.has_value());
+  if (options.shape == EdgeShape::heap) return;
+  refuse("axis", options.axis_m.has_value());
+  refuse("toe", options.toe_m.has_value());
+  refuse("a part of the height (from, to)", options.from > 0.0 || options.to < 1.0);
+}
+
 void check_sides(const EdgeAngles& angles) {
   const auto check = [](const char* side, const FittedLine& line) {
     if (line.points < kLeastColumns)
@@ -88,6 +114,10 @@ void measure_slopes(const View& view, const EdgeOptions& options, ViewAngle& res
   const auto [from, to] = *options.outlet_m;
   check_within(view, "left end of the outlet", from);
   check_within(view, "right end of the outlet", to);
+  if (!(from < to))
+    throw InputError(fmt::format(
+        "the outlet from {:.6g} to {:.6g} {}: its left end must lie left of its right end", from,
+        to, view.unit));
   result.angles = slope_angles(view.profile, view.left_m, from, to, right_m(view), options.fit);
   check_sides(result.angles);
 }
@@ -127,7 +157,9 @@ ViewAngle measure_angle(const View& view, const EdgeOptions& options) {
     throw InputError(
         fmt::format("the part of the height used, {} to {}, must be increasing within 0 to 1",
                     options.from, options.to));
+  check_shape(options);
   ViewAngle result;
+  if (options.floor_m) check_floor(view, *options.floor_m);
   result.floor_m = options.floor_m.value_or(lowest_m(view));
   if (options.shape == EdgeShape::heap)
     measure_heap(view, options, result);

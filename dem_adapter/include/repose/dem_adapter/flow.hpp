@@ -44,7 +44,8 @@ struct FlowOptions {
   std::variant<SteadyWindow, TimeWindow, ShareWindow> window = SteadyWindow{};
 };
 
-/// NaN where it is undefined: nothing flowed, or fewer than two points lie in the window.
+/// NaN where it is undefined: nothing flowed, fewer than two points lie in the window, or the curve
+/// has fewer than three.
 struct Flow {
   double rate_kg_s = 0.0;  ///< least-squares slope of the curve as it was given, in the window
   double from_s = 0.0;     ///< the window

@@ -12,8 +12,8 @@
 
 namespace repose::dem_adapter {
 
-/// The mass in a region of a run from its last maximum on: that is when the outlet opened. Throws
-/// InputError if the case has no such region.
+/// The mass in a region of a run from its last maximum on: that is when the outlet opened; all of
+/// it if the region is fullest at the end. Throws InputError if the case has no such region.
 MassCurve discharge_curve(const scene::Run& run, const std::string& region);
 /// The mass (of one material, or of all: "") in a region in a stage, times from its beginning; the
 /// first row is what was there just before. Throws InputError if the run has none of them.
@@ -23,9 +23,10 @@ MassCurve stage_curve(const scene::Run& run, const std::string& region, const st
 std::pair<double, double> stage_span(const scene::Run& run,
                                      const std::optional<std::string>& stage = {});
 
-/// KPIs `mass_flow_kg_s`, `discharged_mass_kg`, `discharged_fraction` (of the first mass). Details:
-/// the window, the time at which 98 % were out, the unsteadiness. The failure says that nothing
-/// flowed or that the window holds too little.
+/// KPIs `mass_flow_kg_s`, `discharged_mass_kg`, `discharged_fraction` (of the first mass; undefined
+/// if that is not above 0). Details: the window, the time at which 98 % were out, the unsteadiness.
+/// The failure says that nothing flowed or that the window holds too little. Throws InputError for
+/// fewer than three points, or as discharge_flow().
 Measurement measure_flow(const MassCurve& curve, const FlowOptions& options = {});
 
 /// KPIs `bulk_density_kg_m3`: mass of the grains whose centres lie in `box` over its volume, and

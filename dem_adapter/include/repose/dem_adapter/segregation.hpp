@@ -2,8 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
+#include <map>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "repose/dem_adapter/mixture.hpp"
@@ -39,10 +40,9 @@ std::vector<RelativeDeviation> relative_deviations(const Eigen::MatrixXd& amount
 double random_deviation(const Mixture& mixture, int component, Basis basis,
                         const Eigen::MatrixXd& counts);
 
-/// chi_i(k) / chi_i^0: concentration of each component in each bin over its share in the whole
-/// (default: of all bins) [Hadi2026, Eq. 6.1]; bins x components, 1 is perfectly mixed.
-Eigen::MatrixXd normalised_ratios(const Eigen::MatrixXd& amounts,
-                                  std::optional<Eigen::VectorXd> share = {});
+/// chi_i(k) / chi_i^0: concentration of each component in each bin over its share in all bins
+/// [Hadi2026, Eq. 6.1]; bins x components, 1 is perfectly mixed, NaN for one that is in no bin.
+Eigen::MatrixXd normalised_ratios(const Eigen::MatrixXd& amounts);
 
 /// Indices of [Hadi2026, Table 2.2] for one tracer; the concentrations of the tracer in m bins are
 /// volume (c), number (y) or mass (x) shares.
@@ -62,11 +62,11 @@ struct SegregationIndices {
 /// grain each, in which a random mixture cannot be told from a segregated one.
 SegregationIndices segregation_indices(const Bins& bins, int tracer);
 
-/// No. 9 of Table 2.2: how far the centre of mass of a component rose between two times, over the
-/// depth of the bed. Throws InputError if a mixture lacks the component or the depth is not
-/// positive.
-double center_of_mass_shift(const Mixture& initial, const Mixture& final,
-                            const std::string& component, double depth_m);
+/// No. 9 of Table 2.2, of each component of both mixtures: how far its centre of mass rose between
+/// two times, over the depth of the bed at first, from its lowest to its highest grain's centre. 0
+/// is as before; of layers of half the bed each that change places, 1/2 and -1/2. Throws InputError
+/// if the bed has no depth.
+std::map<std::string, double> center_of_mass_shifts(const Mixture& initial, const Mixture& final);
 
 /// The composition of what is in a sampling space over time.
 struct Composition {
@@ -75,9 +75,9 @@ struct Composition {
 };
 
 struct OverTimeOptions {
-  /// Times at which the sampling space holds no more than this share of `full_kg` are left out.
+  /// Times at which the sampling space holds no more than this share of the most that it ever holds
+  /// are left out.
   double least_share = 0.02;
-  std::optional<double> full_kg{};  ///< default: the most that it ever holds
 };
 
 /// SI and NMR of a discharge.
@@ -87,7 +87,10 @@ struct SegregationOverTime {
   std::vector<double> normalised_time;
   Eigen::MatrixXd index;  ///< |chi - chi_0| / |1 - chi_0| [Eq. 3.1]; rows used x components
   Eigen::MatrixXd normalised_ratio;  ///< chi / chi_0 [Eq. 6.3]
-  Eigen::VectorXd mean_index;        ///< over the rows used [Eq. 3.3]
+  /// Over time, of the rows used: each counts for half of the time to its neighbours, the first and
+  /// the last row of all for the time to their one. Where times are evenly spaced that is the plain
+  /// mean of [Eq. 3.3].
+  Eigen::VectorXd mean_index;
 };
 
 /// `initial_share` is chi_0 of each component, in (0, 1). Throws InputError if no time is left or a

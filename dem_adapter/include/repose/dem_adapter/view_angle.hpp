@@ -18,11 +18,12 @@ enum class EdgeShape { heap, slopes, surface };
 /// Lengths in m, or pixels where the view has no scale; places as x and z of the view.
 struct EdgeOptions {
   EdgeShape shape = EdgeShape::heap;
-  std::optional<double> axis_m{};   ///< heap; default heap_axis_m()
-  std::optional<double> floor_m{};  ///< default: the lowest pixel that is not background
-  /// HeapOptions::toe_m; default: the largest grain, or a fiftieth of the height if it is unknown.
+  std::optional<double> axis_m{};  ///< heap; default heap_axis_m()
+  /// Default: the lowest pixel that is not background. For slopes it is drawn only.
+  std::optional<double> floor_m{};
+  /// Heap: HeapOptions::toe_m; default: the largest grain, or a fiftieth of the height if unknown.
   std::optional<double> toe_m{};
-  /// Left and right end of the outlet; slopes need it.
+  /// Slopes: left and right end of the outlet between them; needed.
   std::optional<std::pair<double, double>> outlet_m{};
   double from = 0.0, to = 1.0;  ///< as in HeapOptions; heap only
   LineFit fit = LineFit::robust;
@@ -37,7 +38,9 @@ struct ViewAngle {
   double floor_m = 0.0;
 };
 
-/// Throws InputError if an option lies outside the view or a side has fewer than ten columns.
+/// Throws InputError if an option lies outside the view (a floor may lie a grain below it) or is
+/// not one of the shape, if the outlet's ends are not in order, or if a side has fewer than ten
+/// columns.
 ViewAngle measure_angle(const View& view, const EdgeOptions& options = {});
 
 /// An SVG picture: the view with the edge found, the lines fitted and their angles. It shows
