@@ -62,6 +62,32 @@ TEST(Photograph, TellsTheSidesOfALopsidedConeApart) {
   EXPECT_NEAR(found.measurement.kpis.at("angle_of_repose_deg"), 38.5, 0.1);
 }
 
+TEST(Photograph, OfATiltedCameraIsPutRightByTwoPointsOfTheFloor) {
+  const Cone cone{290.0, 60.0, 250.0, 35.0, 42.0};
+  for (const double tilt : {-4.0, 2.5}) {
+    const double c = std::cos(tilt * M_PI / 180.0), s = std::sin(tilt * M_PI / 180.0);
+    // The camera sees the place (x, y) of the cone at this place of the picture, about its middle.
+    const auto seen = [&](double x, double y) {
+      return PixelPoint{300.0 + c * (x - 300.0) - s * (y - 150.0),
+                        150.0 + s * (x - 300.0) + c * (y - 150.0)};
+    };
+    const auto tilted = drawn(
+        600, 300, kSky, [](double, double) { return kSand; },
+        [&](double x, double y) {
+          return cone.has(300.0 + c * (x - 300.0) + s * (y - 150.0),
+                          150.0 - s * (x - 300.0) + c * (y - 150.0));
+        });
+    const double found = tilt_deg(seen(60.0, 250.0), seen(540.0, 250.0));
+    EXPECT_NEAR(found, tilt, 1e-9);
+    const auto level =
+        measure_angle(view_of_photograph(leveled(tilted, found), {}), {.axis_m = 290.0});
+    EXPECT_NEAR(level.angles.left_deg, 35.0, 0.1) << tilt;
+    EXPECT_NEAR(level.angles.right_deg, 42.0, 0.1) << tilt;
+    const auto crooked = measure_angle(view_of_photograph(tilted, {}), {.axis_m = 290.0});
+    EXPECT_NEAR(crooked.angles.left_deg, 35.0 - tilt, 0.5) << tilt;  // its foot is elsewhere
+  }
+}
+
 TEST(Photograph, KeepsTheAngleUnderNoiseSpecksAndGrainsInTheAir) {
   for (const double angle : {25.0, 33.0}) {
     auto picture = photograph({310.0, 80.0, 290.0, angle, angle}, 620, 300);

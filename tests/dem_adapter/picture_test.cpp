@@ -185,6 +185,19 @@ TEST(PictureFile, NoByteThatIsWrongCrashesAReader) {
     }
 }
 
+TEST(Level, OfNoTiltIsThePictureItself) {
+  const auto picture = random_picture(33, 20);
+  EXPECT_EQ(leveled(picture, 0.0).pixels, picture.pixels);
+}
+
+TEST(Level, IsTheAngleOfTheLineThatFallsToTheRight) {
+  EXPECT_NEAR(tilt_deg({0.0, 0.0}, {100.0, 10.0}), std::atan(0.1) * 180.0 / M_PI, 1e-12);
+  EXPECT_NEAR(tilt_deg({100.0, 10.0}, {0.0, 0.0}), std::atan(0.1) * 180.0 / M_PI, 1e-12);
+  EXPECT_LT(tilt_deg({0.0, 10.0}, {100.0, 0.0}), 0.0);
+  EXPECT_THROW(tilt_deg({0.0, 0.0}, {15.0, 0.0}), InputError);
+  EXPECT_THROW(tilt_deg({0.0, 0.0}, {100.0, 40.0}), InputError);
+}
+
 TEST(Crop, IsThePartThatIsNamedOrASentence) {
   const auto picture = random_picture(60, 50);
   const auto part = cropped(picture, {.column = 7, .row = 9, .width = 20, .height = 30});

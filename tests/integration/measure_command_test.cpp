@@ -67,6 +67,9 @@ TEST(MeasureCommand, GivesTheAngleOfAPhotographWithAnAuditPicture) {
     EXPECT_NEAR(json["details"]["heap_height_m"].get<double>(), 0.110, 0.002);
     EXPECT_NE(test::text_of(bench / "audit.svg").find(name), std::string::npos);
   }
+  const auto level = bench.run("repose", "measure heap.png --level 0,290,600,290 --json");
+  ASSERT_EQ(level.code, 0) << level.err;
+  EXPECT_EQ(nlohmann::json::parse(level.out)["details"]["tilt_deg"], 0.0);
   const auto text =
       bench.run("repose", "measure heap.png --crop 50,20,500,280 --axis 300 --floor 290");
   ASSERT_EQ(text.code, 0) << text.err;
@@ -113,7 +116,8 @@ TEST(MeasureCommand, GivesSegregationOverBinsWithItsSensitivityToTheirSize) {
        {"--grid x --bin 9", "--grid x --bin 0", "--bin 0.1", "--over-time nowhere",
         "--grid x --axis 0", "--grid radial --over-time upper_box", "-o a.csv",
         "--grid x --box 0,0,0,0,0,0", "--grid x --box 8,8,8,9,9,9", "--initial 1",
-        "--grid x --bin 0.1 --initial 2", "--over-time upper_box --initial settled"}) {
+        "--grid x --bin 0.1 --initial 2", "--over-time upper_box --initial settled",
+        "--level 0,0,100,0"}) {
     const auto refused = bench.run("repose", std::string("measure run ") + wrong);
     EXPECT_EQ(refused.code, 3) << wrong << refused.err;
     EXPECT_EQ(refused.out, "");
@@ -166,7 +170,8 @@ TEST(MeasureCommand, RefusesWhatIsNoPictureWithASentenceAndCodeThree) {
         "good.png --axis 5000", "good.png --shape slopes", "good.png --window 0,0,1,1",
         "good.png --from 0.9 --to 0.1", "good.png --floor 5000", "good.png --outlet 200,300",
         "good.png --shape slopes --outlet 300,200",
-        "good.png --shape slopes --outlet 200,300 --axis 250", "good.png --initial 1"}) {
+        "good.png --shape slopes --outlet 200,300 --axis 250", "good.png --level 10,5,20,5",
+        "good.png --initial 1"}) {
     const auto said = bench.run("repose", std::string("measure ") + arguments);
     EXPECT_EQ(said.code, 3) << arguments << "\n" << said.err;
     EXPECT_GT(said.err.size(), 40U) << arguments;

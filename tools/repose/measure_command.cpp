@@ -12,8 +12,8 @@
 namespace repose::cli {
 namespace {
 
-constexpr std::initializer_list<const char*> kPhotographOnly{"--scale", "--threshold", "--crop",
-                                                             "--background", "--component"};
+constexpr std::initializer_list<const char*> kPhotographOnly{
+    "--scale", "--threshold", "--crop", "--background", "--component", "--level"};
 constexpr std::initializer_list<const char*> kSnapshotOnly{
     "--snapshot",     "--view",       "--window", "--grid",   "--bin",
     "--origin",       "--least-fill", "--box",    "--output", "--over-time",
@@ -100,6 +100,12 @@ void add_edge_options(CLI::App& command, MeasureOptions& o) {
 void add_photograph_options(CLI::App& command, MeasureOptions& o) {
   command.add_option("--scale", o.scale, "m per pixel; angles need none")
       ->check(CLI::PositiveNumber);
+  command
+      .add_option("--level", o.level,
+                  "COLUMN,ROW,COLUMN,ROW: two points that should be level, as on the floor's\n"
+                  "line; the picture is turned about its middle before all else")
+      ->delimiter(',')
+      ->expected(4);
   command.add_option("--crop", o.crop, "COLUMN,ROW,WIDTH,HEIGHT in pixels")
       ->delimiter(',')
       ->expected(4);

@@ -25,6 +25,7 @@ struct MeasureOptions {
   double from = 0.0, to = 1.0;
   // photographs
   std::optional<double> scale, threshold;
+  std::vector<double> level;
   std::vector<int> crop;
   std::string background;
   std::vector<std::string> components;

@@ -21,13 +21,24 @@ dem_adapter::EdgeOptions edge_options_of_photograph(const MeasureOptions& o) {
   return edge;
 }
 
+/// Of the camera, by two points that should be level.
+double tilt_deg(const MeasureOptions& o) {
+  if (o.level.empty()) return 0.0;
+  return dem_adapter::tilt_deg({o.level[0], o.level[1]}, {o.level[2], o.level[3]});
+}
+
+dem_adapter::Picture upright(const MeasureOptions& o, const std::string& path) {
+  auto picture = dem_adapter::read_picture(path);
+  return o.level.empty() ? picture : leveled(picture, tilt_deg(o));
+}
+
 dem_adapter::Segmentation segmentation_of(const MeasureOptions& o,
                                           const dem_adapter::PixelBox& crop) {
   dem_adapter::Segmentation segmentation{.threshold = o.threshold};
   if (o.background.starts_with('#'))
     segmentation.background = dem_adapter::parse_color(o.background);
   else if (!o.background.empty())
-    segmentation.background = cropped(dem_adapter::read_picture(o.background), crop);
+    segmentation.background = cropped(upright(o, o.background), crop);
   for (const auto& component : o.components) {
     const auto equals = component.find('=');
     if (equals == std::string::npos || equals == 0)
@@ -41,7 +52,7 @@ dem_adapter::Segmentation segmentation_of(const MeasureOptions& o,
 }
 
 dem_adapter::View photograph_view(const MeasureOptions& o) {
-  const auto picture = dem_adapter::read_picture(o.input);
+  const auto picture = upright(o, o.input);
   dem_adapter::PixelBox crop{.width = picture.width, .height = picture.height};
   if (!o.crop.empty()) crop = {o.crop[0], o.crop[1], o.crop[2], o.crop[3]};
   const auto part = cropped(picture, crop);
@@ -79,7 +90,10 @@ dem_adapter::Measurement measured_view(const MeasureOptions& o, const dem_adapte
 }
 
 Measured measure_photograph(const MeasureOptions& o) {
-  return {.measurement = measured_view(o, photograph_view(o), edge_options_of_photograph(o))};
+  Measured result{.measurement =
+                      measured_view(o, photograph_view(o), edge_options_of_photograph(o))};
+  if (!o.level.empty()) result.measurement.details["tilt_deg"] = tilt_deg(o);
+  return result;
 }
 
 }  // namespace repose::cli

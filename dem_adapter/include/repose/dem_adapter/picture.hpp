@@ -47,6 +47,19 @@ Picture read_picture(const std::filesystem::path& path);
 /// Throws InputError unless the box lies within the picture.
 Picture cropped(const Picture& picture, const PixelBox& box);
 
+/// A place in a picture, from its upper left corner, in pixels.
+struct PixelPoint {
+  double column = 0.0, row = 0.0;
+};
+
+/// How far the line through two points that should be level falls to the right. Throws InputError
+/// if they are less than 16 columns apart, or by more than 20 degrees off.
+double tilt_deg(const PixelPoint& first, const PixelPoint& second);
+
+/// Turned back about its middle by this angle, of the same size; linear between pixels, and
+/// beyond the rim the colour of the nearest pixel.
+Picture leveled(const Picture& picture, double tilt_deg);
+
 /// The bytes of a PNG file.
 std::string png_of(const Picture& picture);
 
