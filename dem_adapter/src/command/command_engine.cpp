@@ -154,7 +154,7 @@ EngineExit CommandEngine::run(const EngineJob& job) const {
     command.words.push_back(filled_in(command_.words[i], values));
   const auto end = executor_.run(command);
   auto exit = exit_of(end, command, 0);
-  if (exit.status == EngineStatus::failed && end.signal == 0)
+  if (exit.status == EngineStatus::failed && exit.failure != Outcome::crash)
     exit.failure = outcome_of(command_.signs, read_file(log));
   return exit;
 }

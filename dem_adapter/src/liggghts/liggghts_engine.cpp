@@ -178,7 +178,7 @@ EngineExit LiggghtsEngine::run(const EngineJob& job) const {
   if (exit.status != EngineStatus::finished && exit.status != EngineStatus::failed) return exit;
   const auto log = parse_log(read_file(command.log));
   if (exit.status == EngineStatus::failed) {
-    if (end.signal != 0) return exit;
+    if (exit.failure == Outcome::crash) return exit;
     const auto reason = log.error.empty() ? exit.message : log.error;
     return failed(exit, outcome_of(reason), reason);
   }
