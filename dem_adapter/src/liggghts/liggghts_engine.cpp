@@ -103,7 +103,7 @@ EngineExit failed(EngineExit exit, Outcome outcome, std::string message) {
 LiggghtsEngine::LiggghtsEngine(LiggghtsPrograms programs, Executor executor)
     : programs_(std::move(programs)), executor_(std::move(executor)) {
   const auto find = [](fs::path& program, const char* name, const char* remedy) {
-    if (program.empty()) program = find_program(name, remedy);
+    program = fs::absolute(program.empty() ? find_program(name, remedy) : program);
     check_executable(program);
   };
   find(programs_.liggghts, "liggghts", "install Debian's package liggghts");
