@@ -1,8 +1,9 @@
-# repose_test(NAME LABEL fast|physics|mpi|validation SOURCES file... LINK lib... [TIMEOUT seconds])
-# A GoogleTest program; each of its tests is known to ctest under its own name and label.
+# repose_test(NAME LABEL fast|physics|mpi|slurm|validation SOURCES file... LINK lib... [TIMEOUT seconds]
+#             [PROPERTIES name value...])
+# A GoogleTest program; each of its tests is known to ctest under its own name and label, with these properties.
 include(GoogleTest)
 function(repose_test name)
-  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;LINK;DEFINES" ${ARGN})
+  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;LINK;DEFINES;PROPERTIES" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
@@ -17,5 +18,5 @@ function(repose_test name)
     set(processors 2)
   endif()
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
-    PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT} PROCESSORS ${processors})
+    PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT} PROCESSORS ${processors} ${ARG_PROPERTIES})
 endfunction()

@@ -13,6 +13,7 @@
 #include "repose/base/file.hpp"
 #include "repose/dem_adapter/calibration.hpp"
 #include "stop_signal.hpp"
+#include "warning.hpp"
 
 namespace repose::cli {
 namespace {
@@ -94,7 +95,9 @@ void calibrate_study(const CalibrateOptions& options) {
     return;
   }
   if (!options.common.quiet) fmt::print(stderr, "{}\n", plan);
-  const Campaign campaign(directory, make_engine(study.scenario, study.engine),
+  const Campaign campaign(directory,
+                          make_engine(study.scenario, study.engine,
+                                      executor_of(study.compute, directory, print_warning)),
                           measure_of(study.scenario),
                           {.compute = study.compute,
                            .failures = study.failures,

@@ -10,6 +10,7 @@
 #include "repose/dem_adapter/campaign_file.hpp"
 #include "repose/dem_adapter/campaign_upkeep.hpp"
 #include "stop_signal.hpp"
+#include "warning.hpp"
 
 namespace repose::cli {
 namespace {
@@ -33,6 +34,10 @@ nlohmann::json as_json(const CampaignStatus& s) {
                       {"settled", s.settled},
                       {"failed", s.failed()},
                       {"under_way", s.under_way},
+                      {"pending", s.pending},
+                      {"running", s.running},
+                      {"pending_because", s.pending_because},
+                      {"queue_silence", s.queue_silence},
                       {"stopped", s.stopped},
                       {"recorded", s.recorded},
                       {"store", s.store.string()},
@@ -49,6 +54,13 @@ std::string status_text(const CampaignStatus& s) {
   constexpr std::size_t kColumns = 100;
   auto text = fmt::format("{} of {} runs have an outcome, {} failed; {} under way, {} stopped\n",
                           s.settled, s.wanted, s.failed(), s.under_way, s.stopped);
+  if (s.pending + s.running > 0)
+    text += fmt::format(
+        "in the queue of SLURM: {} pending{}, {} running\n", s.pending,
+        s.pending_because.empty() ? "" : fmt::format(" ({})", fmt::join(s.pending_because, ", ")),
+        s.running);
+  if (!s.queue_silence.empty())
+    text += fmt::format("the queue of SLURM does not answer: {}\n", s.queue_silence);
   for (const auto& [outcome, count] : s.counts) {
     auto line = fmt::format("  {:<18}{:>7}", to_string(outcome), count);
     if (const auto it = s.examples.find(outcome); it != s.examples.end())
@@ -88,7 +100,9 @@ void run_campaign(const CampaignCommandOptions& options) {
   if (!options.engine.empty()) file.engine = parse_engine_choice(options.engine);
   const auto table = directory / "runs.h5";
   {
-    const Campaign campaign(directory, make_engine(file.scenario, file.engine),
+    const Campaign campaign(directory,
+                            make_engine(file.scenario, file.engine,
+                                        executor_of(file.compute, directory, print_warning)),
                             measure_of(file.scenario),
                             {.compute = file.compute,
                              .failures = file.failures,
@@ -146,6 +160,34 @@ void clean(const CampaignCommandOptions& options) {
                     1e-6 * static_cast<double>(cleaned.bytes)));
 }
 
+struct TaskOptions {
+  std::string array;
+  int task = 0;
+};
+
+/// SLURM tells a job to end by SIGTERM.
+void run_task(const TaskOptions& options) {
+  const auto& stop = stop_requested(FirstInterrupt::ends_runs);
+  run_slurm_task(options.array, options.task, [&] { return stop != Stop::no; });
+}
+
+void add_task(CLI::App& group) {
+  auto o = std::make_shared<TaskOptions>();
+  auto* task = group.add_subcommand(
+      "task", "What a job of SLURM calls on its node: one run of a job array (not for users)");
+  task->add_option("ARRAY", o->array, "folder of the job array, DIR/slurm/NAME")->required();
+  task->add_option("TASK", o->task, "its number in the array")
+      ->required()
+      ->check(CLI::NonNegativeNumber);
+  task->footer(
+      "Example: repose campaign task friction/slurm/repose-1f00 3\n"
+      "Runs the program that the run's submitted.json names, with its time limit and log, passes "
+      "a\n"
+      "SIGTERM on so that it can write a checkpoint, and writes ARRAY/TASK.end.\n"
+      "docs/how-to/cluster.md tells how campaigns use it.");
+  task->callback([o] { run_task(*o); });
+}
+
 using Options = std::shared_ptr<CampaignCommandOptions>;
 
 CLI::App* add_kind(CLI::App& group, const std::string& name, const std::string& description,
@@ -195,6 +237,7 @@ void add_campaign(CLI::App& app) {
   cleaning->add_flag("--outputs", o->outputs,
                      "also the engine's output of finished runs; their KPIs stay");
   cleaning->add_flag("--unplanned", o->unplanned, "also runs that the plan does not name");
+  add_task(*group);
 }
 
 }  // namespace repose::cli

@@ -12,6 +12,7 @@
 #include "repose/base/random.hpp"
 #include "repose/base/text.hpp"
 #include "repose/base/thread_pool.hpp"
+#include "repose/dem_adapter/submission.hpp"
 #include "repose/scene/run_output.hpp"
 #include "run_folder.hpp"
 #include "shared_beginnings.hpp"
@@ -151,6 +152,7 @@ EngineExit Campaign::run_engine(const std::filesystem::path& folder,
     exit.resources = used;
     if (exit.status == EngineStatus::finished || exit.status == EngineStatus::failed) return exit;
     write_file_atomically(parts_file(folder), resources_text(used));
+    forget_submission(folder);
     if (exit.status == EngineStatus::cancelled || cancelled()) throw Interrupted();
     if (exit.status == EngineStatus::timed_out || ++kills == kKillsBelieved) return exit;
   }
@@ -170,8 +172,10 @@ RunOutcome Campaign::run_one(const Attempt& attempt, const std::atomic<bool>& gi
   if (const auto used = finished_before(folder)) {
     exit.resources = *used;
   } else {
-    prepare_folder(folder, attempt.input.text);
-    if (beginnings_) beginnings_->hand_to(folder, attempt.input.text);
+    if (!submission_of(folder)) {  // else it is at work there, or was, and is waited for
+      prepare_folder(folder, attempt.input.text);
+      if (beginnings_) beginnings_->hand_to(folder, attempt.input.text);
+    }
     exit = run_engine(folder, cancelled);
     if (exit.status == EngineStatus::finished)
       write_file_atomically(finished_file(folder), resources_text(exit.resources));
@@ -180,6 +184,7 @@ RunOutcome Campaign::run_one(const Attempt& attempt, const std::atomic<bool>& gi
   store_->record(outcome);
   std::error_code ignored;
   std::filesystem::remove(finished_file(folder), ignored);
+  forget_submission(folder);
   return outcome;
 }
 

@@ -9,6 +9,7 @@
 #include "repose/base/error.hpp"
 #include "repose/dem_adapter/run_plan.hpp"
 #include "repose/dem_adapter/run_store.hpp"
+#include "repose/dem_adapter/submission.hpp"
 
 namespace repose::dem_adapter {
 namespace {
@@ -46,6 +47,32 @@ std::uintmax_t removed(const fs::path& place) {
   return bytes;
 }
 
+std::vector<fs::path> folders_in(const fs::path& place) {
+  std::vector<fs::path> folders;
+  std::error_code code;
+  for (const auto& entry : fs::directory_iterator(place, code)) folders.push_back(entry.path());
+  return folders;
+}
+
+std::vector<fs::path> joined(std::vector<fs::path> some, const std::vector<fs::path>& others) {
+  some.insert(some.end(), others.begin(), others.end());
+  return some;
+}
+
+/// Those of the runs that a queue has, or may have.
+std::set<fs::path> queued(const std::vector<fs::path>& homes, const QueueState& state) {
+  std::set<fs::path> there(state.pending.begin(), state.pending.end());
+  there.insert(state.running.begin(), state.running.end());
+  if (!state.silence.empty())
+    for (const auto& home : homes)
+      if (submission_of(home)) there.insert(home);
+  return there;
+}
+
+std::set<fs::path> queued(const std::vector<fs::path>& homes) {
+  return queued(homes, queue_state(homes));
+}
+
 void add(CampaignStatus& status, const RunOutcome& outcome) {
   ++status.settled;
   const auto name = outcome.measurement.outcome;
@@ -75,9 +102,18 @@ CampaignStatus campaign_status(const fs::path& directory) {
     if (const auto outcome = settled(attempts, plan.retry_on, find)) add(status, *outcome);
   const auto wanted = keys_of(plan);
   const bool own = has_own_store(directory, plan);
+  std::vector<fs::path> homes;
   for (const auto& key : store.unfinished())
-    if (own || wanted.count(key) > 0)
-      ++(RunClaim::is_taken(store.folder(key)) ? status.under_way : status.stopped);
+    if (own || wanted.count(key) > 0) homes.push_back(store.folder(key));
+  const auto beginnings = own ? folders_in(plan.store / "beginnings") : std::vector<fs::path>{};
+  const auto queue = queue_state(joined(homes, beginnings));
+  status.pending = queue.pending.size();
+  status.running = queue.running.size();
+  status.pending_because = queue.reasons;
+  status.queue_silence = queue.silence;
+  const auto in_queue = queued(homes, queue);
+  for (const auto& home : homes)
+    ++(in_queue.count(home) > 0 || RunClaim::is_taken(home) ? status.under_way : status.stopped);
   return status;
 }
 
@@ -122,14 +158,21 @@ Cleaned clean_campaign(const fs::path& directory, const CleanOptions& options) {
     return wanted.count(key) > 0 || (own && by_others.count(key) == 0);
   };
   Cleaned cleaned;
-  const auto remove_unless_taken = [&](const fs::path& folder, const fs::path& part) {
-    const auto claim = RunClaim::try_take(folder);
-    if (claim) cleaned.bytes += removed(part);
-    return claim.has_value();
-  };
+  std::vector<fs::path> stopped, beginnings = folders_in(plan.store / "beginnings");
+  if (!own) beginnings.clear();
   for (const auto& key : store.unfinished())
-    if (is_ours(key) && remove_unless_taken(store.folder(key), store.folder(key)))
-      ++cleaned.stopped;
+    if (is_ours(key)) stopped.push_back(store.folder(key));
+  const auto in_queue = queued(joined(stopped, beginnings));
+  const auto remove_unless_taken = [&](const fs::path& folder, const fs::path& part) {
+    if (in_queue.count(folder) > 0) return false;
+    const auto claim = RunClaim::try_take(folder);
+    if (!claim) return false;
+    forget_submission(folder);
+    cleaned.bytes += removed(part);
+    return true;
+  };
+  for (const auto& folder : stopped)
+    if (remove_unless_taken(folder, folder)) ++cleaned.stopped;
   for (const auto& key : store.keys()) {
     const auto folder = store.folder(key);
     const bool is_wanted = wanted.count(key) > 0;
@@ -141,9 +184,8 @@ Cleaned clean_campaign(const fs::path& directory, const CleanOptions& options) {
       ++cleaned.outputs;
     }
   }
-  if (own && fs::is_directory(plan.store / "beginnings"))
-    for (const auto& entry : fs::directory_iterator(plan.store / "beginnings"))
-      if (remove_unless_taken(entry.path(), entry.path())) ++cleaned.beginnings;
+  for (const auto& folder : beginnings)
+    if (remove_unless_taken(folder, folder)) ++cleaned.beginnings;
   store.compact_index();
   return cleaned;
 }

@@ -11,7 +11,40 @@
 
 namespace repose::dem_adapter {
 
+namespace {
+
+unsigned jobs_at_once(const ComputePlan& plan) {
+  if (plan.cores > 0 || plan.memory_gb > 0.0)
+    throw InputError(
+        "cores and memory_gb are of this machine, and the runs go to the queue of SLURM; leave "
+        "them "
+        "out, [slurm] max_jobs says how many runs may stand in the queue");
+  const auto most = static_cast<unsigned>(plan.slurm->max_jobs);
+  return plan.workers == 0 ? most : std::min(plan.workers, most);
+}
+
+SlurmOptions read_slurm(const TomlTable& root) {
+  SlurmOptions slurm;
+  const auto t = root.table_if_present("slurm");
+  if (!t) return slurm;
+  slurm.partition = t->text_or("partition", "");
+  slurm.account = t->text_or("account", "");
+  slurm.max_jobs =
+      static_cast<int>(t->integer_or("max_jobs", slurm.max_jobs, {.lower = 1, .upper = 4096}));
+  if (t->has("extra_options")) slurm.extra_options = t->texts("extra_options");
+  for (const auto& option : slurm.extra_options)
+    if (!option.starts_with("-"))
+      t->fail("extra_options",
+              fmt::format("\"{}\" is no option of sbatch; write each as \"--name=value\"", option));
+  slurm.setup = t->text_or("setup", "");
+  slurm.ask_every_s = t->number_or("ask_every_s", slurm.ask_every_s, {.lower = 1.0});
+  return slurm;
+}
+
+}  // namespace
+
 unsigned runs_at_once(const ComputePlan& plan) {
+  if (plan.slurm) return jobs_at_once(plan);
   const int here = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const int cores = plan.cores > 0 ? plan.cores : std::max(here, plan.ranks);
   if (plan.ranks > cores)
@@ -40,6 +73,9 @@ unsigned runs_at_once(const ComputePlan& plan) {
 ComputePlan read_compute_plan(const TomlTable& root, const std::filesystem::path& folder) {
   ComputePlan plan;
   const auto t = root.table_if_present("compute");
+  if (root.has("slurm") && !(t && t->has("executor")))
+    root.fail("slurm", "add [compute] executor = \"slurm\", or \"local\" to leave it unused");
+  const auto slurm = read_slurm(root);
   if (!t) return plan;
   plan.workers = static_cast<unsigned>(t->integer_or("workers", 0, {.lower = 0, .upper = 4096}));
   plan.cores = static_cast<int>(t->integer_or("cores", 0, {.lower = 0, .upper = 4096}));
@@ -53,12 +89,22 @@ ComputePlan read_compute_plan(const TomlTable& root, const std::filesystem::path
     if (store.empty()) t->fail("store", "it is empty; name a folder, or leave it out");
     plan.store = (folder / store).lexically_normal();
   }
+  if (t->choice_or("executor", "local", {"local", "slurm"}) == "slurm") plan.slurm = slurm;
   try {
     static_cast<void>(runs_at_once(plan));
   } catch (const InputError& error) {
     t->fail("", error.what());
   }
   return plan;
+}
+
+Executor executor_of(const ComputePlan& plan, const std::filesystem::path& directory,
+                     std::function<void(std::string)> warn) {
+  if (!plan.slurm) return LocalExecutor();
+  auto options = *plan.slurm;
+  options.memory_per_run_gb = plan.memory_per_run_gb;
+  options.warn = std::move(warn);
+  return SlurmExecutor(std::move(options), directory / "slurm");
 }
 
 FailurePolicy read_failure_policy(const TomlTable& root, const std::vector<std::string>& kpis) {

@@ -19,6 +19,7 @@
 #include "repose/base/error.hpp"
 #include "repose/base/file.hpp"
 #include "repose/base/text.hpp"
+#include "repose/dem_adapter/submission.hpp"
 
 namespace repose::dem_adapter {
 namespace {
@@ -225,6 +226,7 @@ void RunStore::record(const RunOutcome& outcome) const {
 
 /// The index first: if we die in between, the run still has its outcome, in its folder.
 void RunStore::forget(const std::string& key) const {
+  forget_submission(folder(key));  // else its job would be taken for one that is still to be done
   const std::lock_guard lock(mutex_);
   append(key, forgotten_line(key));
   places_.erase(key);

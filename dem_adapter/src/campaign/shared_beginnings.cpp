@@ -8,6 +8,7 @@
 #include "outcome_json.hpp"
 #include "repose/base/error.hpp"
 #include "repose/base/file.hpp"
+#include "repose/dem_adapter/submission.hpp"
 #include "repose/scene/case.hpp"
 #include "repose/scene/run_output.hpp"
 #include "run_folder.hpp"
@@ -89,18 +90,20 @@ void SharedBeginnings::make(std::size_t number, const ComputePlan& compute,
   const auto claim = RunClaim::take(folder, cancelled);
   if (!claim) throw Interrupted();
   if (is_made(state)) return;
-  prepare_folder(folder, state.text);
+  const bool in_queue = submission_of(folder).has_value();
+  if (!in_queue) prepare_folder(folder, state.text);
   if (const auto* earlier = latest_of(state.text, state.stages);
-      earlier != nullptr && !fs::exists(scene::checkpoint_file(folder / "output")))
+      earlier != nullptr && !in_queue && !fs::exists(scene::checkpoint_file(folder / "output")))
     copy_output(folder_ / earlier->key, folder);
   const auto exit = engine_.run({.directory = folder,
                                  .ranks = compute.ranks,
                                  .time_limit_s = compute.time_limit_s,
                                  .cancelled = cancelled,
                                  .until = state.last_stage});
-  if (exit.status == EngineStatus::cancelled || cancelled()) throw Interrupted();
   if (exit.status == EngineStatus::finished)
     write_file_atomically(made_file(folder), resources_text(exit.resources));
+  forget_submission(folder);
+  if (exit.status == EngineStatus::cancelled || cancelled()) throw Interrupted();
 }
 
 void SharedBeginnings::hand_to(const fs::path& run_folder, const std::string& text) const {

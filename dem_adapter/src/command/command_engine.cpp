@@ -11,6 +11,7 @@
 #include "repose/base/file.hpp"
 #include "repose/base/text.hpp"
 #include "repose/base/toml.hpp"
+#include "repose/dem_adapter/submission.hpp"
 
 namespace repose::dem_adapter {
 namespace {
@@ -132,24 +133,27 @@ EngineExit CommandEngine::run(const EngineJob& job) const {
         job.ranks));
   const auto output = job.directory / "output";
   const auto log = job.directory / "engine.log";
-  clear(output);
-  clear(log);
-  make_directory(output);
-  const auto input_text = read_file(job.directory / "case.toml");
-  write_file_atomically(output / "case.toml", input_text);
+  const bool is_submitted = submission_of(job.directory).has_value();  // it may be at work there
+  if (!is_submitted) {
+    clear(output);
+    clear(log);
+    make_directory(output);
+    write_file_atomically(output / "case.toml", read_file(job.directory / "case.toml"));
+  }
   const auto input = read_command_input(output / "case.toml");
   std::map<std::string, std::string> values{
       {"seed", std::to_string(input.seed)},
       {"seed_31", std::to_string(1 + input.seed % kLargest31)},
       {"ranks", std::to_string(job.ranks)}};
   for (const auto& [name, value] : input.values) values[name] = shortest(value);
-  write_files(command_, values, output);
+  if (!is_submitted) write_files(command_, values, output);
   Command command{.words = {program_},
                   .folder = output,
                   .log = log,
                   .processes = job.ranks,
                   .time_limit_s = job.time_limit_s,
-                  .cancelled = job.cancelled};
+                  .cancelled = job.cancelled,
+                  .home = job.directory};
   for (std::size_t i = 1; i < command_.words.size(); ++i)
     command.words.push_back(filled_in(command_.words[i], values));
   const auto end = executor_.run(command);

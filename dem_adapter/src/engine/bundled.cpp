@@ -30,7 +30,8 @@ EngineExit BundledEngine::run(const EngineJob& job) const {
                   .processes = job.ranks,
                   .time_limit_s = job.time_limit_s,
                   .grace_s = grace_s_,
-                  .cancelled = job.cancelled};
+                  .cancelled = job.cancelled,
+                  .home = job.directory};
   if (job.streams == EngineStreams::to_log) {
     command.log = job.directory / "engine.log";
     command.words.emplace_back("--quiet");

@@ -13,6 +13,7 @@
 
 #include "repose/base/error.hpp"
 #include "repose/dem_adapter/executor.hpp"
+#include "repose/dem_adapter/submission.hpp"
 
 namespace repose::dem_adapter {
 namespace {
@@ -72,6 +73,11 @@ bool was_told_to_end(const CommandEnd& end) {
 }  // namespace
 
 CommandEnd LocalExecutor::run(const Command& command) const {
+  if (const auto place = command.home.empty() ? std::nullopt : submission_of(command.home))
+    throw StorageError(fmt::format(
+        "the run in '{}' stands in the queue of SLURM; wait for it with [compute] executor = "
+        "\"slurm\", or end it (scancel --name={}) and call repose campaign clean",
+        command.home.string(), place->array.filename().string()));
   const auto began = Clock::now();
   const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - began).count(); };
   const auto cancelled = [&] { return command.cancelled && command.cancelled(); };

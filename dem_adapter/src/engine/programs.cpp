@@ -63,7 +63,7 @@ std::filesystem::path find_program(const std::string& name, const std::string& r
     if (!folder.empty() && is_executable(std::filesystem::path(folder) / name))
       return std::filesystem::path(folder) / name;
   throw StorageError(
-      fmt::format("the engine {} is neither beside this program nor on PATH; {}", name, remedy));
+      fmt::format("{} is neither beside this program nor on PATH; {}", name, remedy));
 }
 
 void check_executable(const std::filesystem::path& program) {

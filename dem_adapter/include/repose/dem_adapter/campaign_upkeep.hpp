@@ -15,13 +15,16 @@ namespace repose::dem_adapter {
 /// Of a campaign or a calibration; for one without plan.json, of all runs of its store.
 struct CampaignStatus {
   std::filesystem::path store;
-  std::size_t wanted = 0;                      ///< runs of the plan
-  std::size_t settled = 0;                     ///< of these have an outcome that stands
-  std::map<Outcome, std::size_t> counts;       ///< of the settled ones
-  std::map<Outcome, std::string> examples;     ///< "RUN: why", the first of each failure
-  std::size_t under_way = 0;                   ///< somebody works on them now
-  std::size_t stopped = 0;                     ///< begun, but nobody works on them
-  std::size_t recorded = 0;                    ///< in the store, also for other plans
+  std::size_t wanted = 0;                    ///< runs of the plan
+  std::size_t settled = 0;                   ///< of these have an outcome that stands
+  std::map<Outcome, std::size_t> counts;     ///< of the settled ones
+  std::map<Outcome, std::string> examples;   ///< "RUN: why", the first of each failure
+  std::size_t under_way = 0;                 ///< somebody works on them now, or a queue has them
+  std::size_t pending = 0, running = 0;      ///< of these and of states that they share, in a queue
+  std::vector<std::string> pending_because;  ///< in the words of the queue
+  std::string queue_silence;                 ///< why the queue could not be asked, if so
+  std::size_t stopped = 0;                   ///< begun, but nobody works on them
+  std::size_t recorded = 0;                  ///< in the store, also for other plans
   double wall_time_s = 0.0, cpu_time_s = 0.0;  ///< sums over the settled ones
   std::int64_t peak_memory_bytes = 0;          ///< largest of a run
   std::string owner;                           ///< who works in the directory, if anybody
@@ -53,8 +56,9 @@ struct Cleaned {
 };
 /// Removes folders of runs that were stopped, with their checkpoints, states that runs shared, and
 /// what the options say, and rewrites the index. Runs that the plans of other studies want, which
-/// use the directory as their store, stay. Throws StorageError while somebody works in the
-/// directory, InputError for unplanned runs of a store that is elsewhere.
+/// use the directory as their store, stay, and so do those in a queue, or in one that does not
+/// answer. Throws StorageError while somebody works in the directory, InputError for unplanned runs
+/// of a store that is elsewhere.
 Cleaned clean_campaign(const std::filesystem::path& directory, const CleanOptions& options = {});
 
 }  // namespace repose::dem_adapter

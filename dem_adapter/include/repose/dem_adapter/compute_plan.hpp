@@ -2,12 +2,16 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "repose/base/toml.hpp"
+#include "repose/dem_adapter/executor.hpp"
 #include "repose/dem_adapter/outcome.hpp"
+#include "repose/dem_adapter/slurm.hpp"
 
 namespace repose::dem_adapter {
 
@@ -23,11 +27,18 @@ struct ComputePlan {
   double time_limit_s = 1800.0;    ///< for one run; 0: none
   Beginnings beginnings = Beginnings::shared;
   std::filesystem::path store = {};  ///< where finished runs are; empty: in the study's own folder
+  std::optional<SlurmOptions> slurm = {};  ///< runs go to its queue; none: to this machine
 };
 
-/// How many runs fit at once, at least one. Throws InputError for ranks that exceed the cores, a
-/// run that exceeds the memory, and a limit of memory without the need of a run.
+/// How many runs fit at once, or stand in the queue, at least one. Throws InputError for ranks that
+/// exceed the cores, a run that exceeds the memory, a limit of memory without the need of a run,
+/// and limits of this machine for runs that go to a queue.
 unsigned runs_at_once(const ComputePlan& plan);
+
+/// What runs the programs of a campaign in this directory. `warn` is told of trouble that may pass,
+/// from any thread. Throws StorageError if SLURM is wanted and is not installed.
+Executor executor_of(const ComputePlan& plan, const std::filesystem::path& directory,
+                     std::function<void(std::string)> warn = {});
 
 struct FailurePolicy {
   int retries = 0;  ///< with new seeds, of a run that failed by one of `retry_on`
@@ -40,7 +51,7 @@ struct FailurePolicy {
   std::map<std::string, double> penalty = {};
 };
 
-/// Reads [compute] and [failures], both optional; a relative store is relative to `folder`.
+/// Reads [compute], [slurm] and [failures], all optional; a relative store is relative to `folder`.
 /// Penalties are for KPIs of `kpis`. Throws InputError with file and line.
 ComputePlan read_compute_plan(const TomlTable& root, const std::filesystem::path& folder);
 FailurePolicy read_failure_policy(const TomlTable& root, const std::vector<std::string>& kpis);

@@ -23,6 +23,9 @@ struct Command {
   double time_limit_s = 0.0;       ///< it is told to end then; 0: never
   double grace_s = 10.0;
   std::function<bool()> cancelled{};  ///< asked often; it is told to end when this is true
+  /// A folder of this run alone, where an executor whose programs outlive us notes where its
+  /// program is (submission.hpp).
+  std::filesystem::path home{};
 };
 
 /// By itself, or because it was told to.
@@ -63,7 +66,8 @@ class Executor {
   std::shared_ptr<const Interface> model_;
 };
 
-/// Children of this process, each in a process group of its own, which die with us.
+/// Children of this process, each in a process group of its own, which die with us. Throws
+/// StorageError for a run that stands in a queue.
 struct LocalExecutor {
   CommandEnd run(const Command& command) const;
 };
