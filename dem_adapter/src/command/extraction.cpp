@@ -86,11 +86,13 @@ ParticleAngle read_angle(const TomlTable& table) {
   angle.view.direction =
       choice<ViewDirection>(table, "view", "front",
                             {{"front", ViewDirection::along_y}, {"side", ViewDirection::along_x}});
-  if (table.has("axis_m")) edge.axis_m = table.number("axis_m");
   if (table.has("floor_m")) edge.floor_m = table.number("floor_m");
-  if (table.has("toe_m")) edge.toe_m = table.number("toe_m", kNonNegative);
-  edge.from = table.number_or("from", 0.0, {.lower = 0.0, .upper = 1.0});
-  edge.to = table.number_or("to", 1.0, {.lower = edge.from, .upper = 1.0, .open_lower = true});
+  if (edge.shape == EdgeShape::heap) {  // the keys of a heap; for slopes they are unknown
+    if (table.has("axis_m")) edge.axis_m = table.number("axis_m");
+    if (table.has("toe_m")) edge.toe_m = table.number("toe_m", kNonNegative);
+    edge.from = table.number_or("from", 0.0, {.lower = 0.0, .upper = 1.0});
+    edge.to = table.number_or("to", 1.0, {.lower = edge.from, .upper = 1.0, .open_lower = true});
+  }
   if (edge.shape == EdgeShape::slopes) {
     const auto outlet = table.numbers("outlet_m");
     if (outlet.size() != 2 || !(outlet[0] < outlet[1]))
