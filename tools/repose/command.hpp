@@ -56,6 +56,7 @@ void add_measure(CLI::App& app);
 void add_optimise(CLI::App& app);
 void add_predict(CLI::App& app);
 void add_sample(CLI::App& app);
+void add_scenario(CLI::App& app);
 void add_screen(CLI::App& app);
 void add_sensitivity(CLI::App& app);
 void add_simulate(CLI::App& app);

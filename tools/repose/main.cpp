@@ -31,6 +31,7 @@ int run(int argc, char** argv) {
   add_calibrate(app);
   add_simulate(app);
   add_campaign(app);
+  add_scenario(app);
   add_measure(app);
   add_design(app);
   add_screen(app);

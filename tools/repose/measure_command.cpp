@@ -15,9 +15,9 @@ namespace {
 constexpr std::initializer_list<const char*> kPhotographOnly{
     "--scale", "--threshold", "--crop", "--background", "--component", "--level"};
 constexpr std::initializer_list<const char*> kSnapshotOnly{
-    "--snapshot",     "--view",       "--window", "--grid",   "--bin",
-    "--origin",       "--least-fill", "--box",    "--output", "--over-time",
-    "--bulk-density", "--contacts",   "--stage",  "--initial"};
+    "--snapshot",  "--view",         "--window",     "--fastest", "--grid",
+    "--bin",       "--origin",       "--least-fill", "--box",     "--output",
+    "--over-time", "--bulk-density", "--contacts",   "--stage",   "--initial"};
 constexpr std::initializer_list<const char*> kFlowOnly{"--flow", "--flow-window", "--filter"};
 
 bool is_run(const std::filesystem::path& input) {
@@ -70,8 +70,11 @@ void measure(const MeasureOptions& o, const CLI::App& command) {
 }
 
 void add_edge_options(CLI::App& command, MeasureOptions& o) {
-  command.add_option("--shape", o.shape, "what the edge is: a heap, or the slopes at an outlet")
-      ->check(CLI::IsMember({"heap", "slopes"}))
+  command
+      .add_option("--shape", o.shape,
+                  "what the edge is: a heap, the slopes at an outlet, or\n"
+                  "one surface, as in a drum")
+      ->check(CLI::IsMember({"heap", "slopes", "surface"}))
       ->capture_default_str();
   command.add_option("--axis", o.axis, "x that divides the heap; default: middle of its base");
   command.add_option("--floor", o.floor, "z or row of the floor; default: the lowest grain");
@@ -122,6 +125,9 @@ void add_run_options(CLI::App& command, MeasureOptions& o) {
   command.add_option("--snapshot", o.snapshot, "number from 1, or a stage; default: the last");
   command.add_option("--view", o.view, "front looks along y, side along x")
       ->check(CLI::IsMember({"front", "side"}))
+      ->capture_default_str();
+  command.add_option("--fastest", o.fastest_m_s, "m/s; faster grains are in flight and not seen")
+      ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command.add_option("--window", o.window, "LEFT,BOTTOM,RIGHT,TOP: only grains within, m")
       ->delimiter(',')

@@ -32,6 +32,7 @@ struct MeasureOptions {
   // runs
   std::string snapshot, view = "front";
   std::vector<double> window;
+  double fastest_m_s = 0.2;
   // segregation
   std::vector<int> slices;
   std::string grid, over_time, initial, output;

@@ -63,15 +63,16 @@ dem_adapter::View photograph_view(const MeasureOptions& o) {
 }  // namespace
 
 dem_adapter::EdgeOptions edge_options(const MeasureOptions& o) {
-  dem_adapter::EdgeOptions edge{
-      .shape = o.shape == "heap" ? dem_adapter::EdgeShape::heap : dem_adapter::EdgeShape::slopes,
-      .axis_m = o.axis,
-      .floor_m = o.floor,
-      .toe_m = o.toe,
-      .from = o.from,
-      .to = o.to,
-      .fit =
-          o.fit == "robust" ? dem_adapter::LineFit::robust : dem_adapter::LineFit::least_squares};
+  dem_adapter::EdgeOptions edge{.shape = o.shape == "heap"     ? dem_adapter::EdgeShape::heap
+                                         : o.shape == "slopes" ? dem_adapter::EdgeShape::slopes
+                                                               : dem_adapter::EdgeShape::surface,
+                                .axis_m = o.axis,
+                                .floor_m = o.floor,
+                                .toe_m = o.toe,
+                                .from = o.from,
+                                .to = o.to,
+                                .fit = o.fit == "robust" ? dem_adapter::LineFit::robust
+                                                         : dem_adapter::LineFit::least_squares};
   if (!o.outlet.empty()) edge.outlet_m = {o.outlet[0], o.outlet[1]};
   return edge;
 }

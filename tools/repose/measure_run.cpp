@@ -33,8 +33,8 @@ const std::vector<Subject>& subjects() {
 }
 /// Of the edge and the view, without which a draw-down is measured as its scenario says.
 constexpr std::initializer_list<const char*> kEdge{
-    "--audit", "--shape", "--axis", "--floor",  "--toe",    "--outlet",  "--from",
-    "--to",    "--fit",   "--view", "--slices", "--window", "--snapshot"};
+    "--audit", "--shape", "--axis",   "--floor",  "--toe",      "--outlet", "--from",   "--to",
+    "--fit",   "--view",  "--slices", "--window", "--snapshot", "--box",    "--fastest"};
 
 /// Throws InputError unless the options given belong to one subject; nullptr: an edge.
 const Subject* subject_of(const CLI::App& command) {
@@ -92,19 +92,6 @@ scene::Snapshot snapshot_of(const scene::Run& run, const std::string& wanted) {
                                      : snapshot_index(run, "--snapshot", wanted));
 }
 
-dem_adapter::View run_view(const MeasureOptions& o, const scene::Run& run) {
-  dem_adapter::ParticleViewOptions options{.direction = o.view == "front"
-                                                            ? dem_adapter::ViewDirection::along_y
-                                                            : dem_adapter::ViewDirection::along_x};
-  if (!o.window.empty()) {
-    options.left_m = o.window[0];
-    options.bottom_m = o.window[1];
-    options.right_m = o.window[2];
-    options.top_m = o.window[3];
-  }
-  return view_of_particles(snapshot_of(run, o.snapshot), options);
-}
-
 scene::Region box_of(const std::vector<double>& ends) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
   scene::Region box{.name = "box", .lower = {-kFar, -kFar, -kFar}, .upper = {kFar, kFar, kFar}};
@@ -114,6 +101,21 @@ scene::Region box_of(const std::vector<double>& ends) {
   if (!(box.lower.array() < box.upper.array()).all())
     throw InputError("--box: each lower end must be below its upper end");
   return box;
+}
+
+dem_adapter::View run_view(const MeasureOptions& o, const scene::Run& run) {
+  dem_adapter::ParticleViewOptions options{.direction = o.view == "front"
+                                                            ? dem_adapter::ViewDirection::along_y
+                                                            : dem_adapter::ViewDirection::along_x};
+  options.fastest_m_s = o.fastest_m_s;
+  if (!o.box.empty()) options.region = box_of(o.box);
+  if (!o.window.empty()) {
+    options.left_m = o.window[0];
+    options.bottom_m = o.window[1];
+    options.right_m = o.window[2];
+    options.top_m = o.window[3];
+  }
+  return view_of_particles(snapshot_of(run, o.snapshot), options);
 }
 
 void write_output(const MeasureOptions& o, table::Table table) {
