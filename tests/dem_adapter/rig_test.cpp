@@ -176,6 +176,25 @@ TEST(Rig, ValuesOutOfRangeAreReportedWhenTheCaseIsMade) {
   }
 }
 
+TEST(RigKpis, HaveATextThatChangesWithThemAndWithNothingElse) {
+  const auto definition = [](const std::string& text) { return rig_of(text).kpi_definition(); };
+  const auto first = definition(kRig);
+  EXPECT_EQ(definition(with_line(4, "mu = 0.5")), first);
+  EXPECT_EQ(definition(with_line(14, "density_kg_m3 = 2600")), first);
+  EXPECT_NE(definition(with_line(45, "region = \"bin\"\ntime_s = 0.1")), first);
+  EXPECT_NE(definition(with_line(45, "region = \"bin\"\ntime_s = 0.1")),
+            definition(with_line(45, "region = \"bin\"\ntime_s = \"= mu\"")));
+  EXPECT_NE(definition(with_line(49, "formula = \"= 2 * filled_kg + 0 * half_m\"")), first);
+  EXPECT_NE(definition(with_line(8, "high_m = \"= 2 * width_m\"")), first);
+  const auto angle = [&](const std::string& axis) {
+    return definition(with_line(44, "kind = \"mass\"") + "[[kpi]]\nname = \"x\"\nkind = " +
+                      "\"grid_segregation\"\ngrid = \"x\"\nmaterial = \"glass\"\norigin_m = [0, " +
+                      axis + ", 0]\n");
+  };
+  EXPECT_NE(angle("0.1"), angle("0.2"));
+  EXPECT_NE(angle("\"= mu\""), angle("\"= half_m\""));
+}
+
 TEST(RigKpis, AreCheckedAgainstTheCase) {
   expect_said(message_of(with_line(45, "region = \"bim\"")),
               "filled_kg: there is no region \"bim\"; did you mean bin?");

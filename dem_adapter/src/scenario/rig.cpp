@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "repose/base/error.hpp"
 #include "repose/base/text.hpp"
@@ -53,6 +54,24 @@ ParameterValues values_of(const TomlTable& rig, const Evaluated& from,
   ParameterValues all = values;
   if (const auto derived = rig.table_if_present(kDerived))
     for (const auto& name : derived->keys()) all[name] = from.names->value(name);
+  return all;
+}
+
+/// A value of whatever type as text; an expression in a list is told to whoever evaluates it.
+std::string value_text(const TomlTable& table, const std::string& key) {
+  const auto read = [&](const auto& as_text) -> std::optional<std::string> {
+    try {
+      return as_text();
+    } catch (const InputError&) {
+      return std::nullopt;  // another type
+    }
+  };
+  if (const auto text = read([&] { return table.text(key); })) return *text;
+  if (const auto number = read([&] { return shortest(table.number(key)); })) return *number;
+  if (const auto texts = read([&] { return fmt::format("{}", fmt::join(table.texts(key), ",")); }))
+    return *texts;
+  std::string all;
+  for (const double number : table.numbers(key)) all += shortest(number) + ",";
   return all;
 }
 
@@ -137,6 +156,19 @@ std::vector<std::string> Rig::parameter_names() const {
 
 std::vector<std::string> Rig::kpi_names() const {
   return kpi_names_;
+}
+
+std::string Rig::kpi_definition() const {
+  std::string text;
+  const auto table = table_.with_expressions([&text](const std::string& expression) {
+    text += "(" + expression + ")";
+    return 0.0;
+  });
+  auto parts = table.tables("kpi");
+  if (const auto derived = table.table_if_present(kDerived)) parts.push_back(*derived);
+  for (const auto& part : parts)
+    for (const auto& key : part.keys()) text += key + "=" + value_text(part, key) + "\n";
+  return text;
 }
 
 scene::Case Rig::make_case(const ParameterValues& values, std::uint64_t seed) const {

@@ -29,6 +29,8 @@ class Rig {
   const std::string& name() const { return name_; }
   std::vector<std::string> parameter_names() const;
   std::vector<std::string> kpi_names() const;
+  /// Changes with [[kpi]] and [derived]: a text of both.
+  std::string kpi_definition() const;
   /// Values are recorded in Case::parameters, from which measure() takes them.
   scene::Case make_case(const ParameterValues& values, std::uint64_t seed) const;
   /// Throws InputError if the run was not made by this rig.
