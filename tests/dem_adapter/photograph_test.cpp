@@ -203,7 +203,7 @@ TEST(Photograph, RefusesWhatItsShapeDoesNotHaveAndPlacesThatMakeNoSense) {
       << floor(-5000.0);
   EXPECT_NE(floor(1.0).find("lies outside"), std::string::npos);
   EXPECT_EQ(floor(-95.0), "accepted");
-  EXPECT_EQ(floor(-101.0), "accepted");  // a pixel below the view
+  EXPECT_EQ(floor(-150.0), "accepted");  // cropped above the floor
   const std::pair<double, double> outlet{80.0, 120.0};
   EXPECT_NE(refusal(good, {}, {.outlet_m = outlet}).find("outlet has no meaning for a heap"),
             std::string::npos);

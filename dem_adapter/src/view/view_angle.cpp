@@ -41,10 +41,10 @@ void check_within(const View& view, const char* name, double x) {
                     name, x, view.unit, view.left_m, right_m(view)));
 }
 
-/// A floor may lie as far below the view as its lowest grain is sunk into it.
+/// A floor may lie below what is seen, though not farther than that is high.
 void check_floor(const View& view, double floor) {
-  const double top = view.bottom_m + view.picture.height * view.pixel_m;
-  if (!(floor >= view.bottom_m - std::max(view.pixel_m, view.largest_grain_m) && floor <= top))
+  const double height = view.picture.height * view.pixel_m, top = view.bottom_m + height;
+  if (!(floor >= view.bottom_m - height && floor <= top))
     throw InputError(fmt::format(
         "floor: z = {:.6g} {} lies outside the view, which reaches from {:.6g} to {:.6g} (z of a "
         "photograph is minus its row)",

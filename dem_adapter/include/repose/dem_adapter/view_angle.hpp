@@ -38,8 +38,8 @@ struct ViewAngle {
   double floor_m = 0.0;
 };
 
-/// Throws InputError if an option lies outside the view (a floor may lie a grain below it) or is
-/// not one of the shape, if the outlet's ends are not in order, or if a side has fewer than ten
+/// Throws InputError if an option lies outside the view (a floor: farther below than it is high) or
+/// is not one of the shape, if the outlet's ends are not in order, or if a side has fewer than ten
 /// columns.
 ViewAngle measure_angle(const View& view, const EdgeOptions& options = {});
 
