@@ -229,8 +229,8 @@ TransferScore mean_of(const std::vector<TransferScore>& scores) {
           .averaged = averaged,
           .failure = averaged == static_cast<int>(scores.size())
                          ? ""
-                         : fmt::format("over {} of {} groups; the others have no figures",
-                                       averaged, scores.size())};
+                         : fmt::format("over {} of {} groups; the others have no figures", averaged,
+                                       scores.size())};
 }
 
 void check(const TrainingSet& data, const TransferValidationOptions& options,

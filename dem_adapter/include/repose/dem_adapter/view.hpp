@@ -74,7 +74,7 @@ struct ParticleViewOptions {
       0.0;  ///< 0: a tenth of the smallest diameter, larger if 4 million pixels are few
   /// Left and right, lower and upper end of what is seen, m; default: all of the particles.
   std::optional<double> left_m{}, right_m{}, bottom_m{}, top_m{};
-  double fastest_m_s = 0.2;  ///< faster particles are in flight, no part of the heap
+  double fastest_m_s = 0.2;               ///< faster particles are in flight, no part of the heap
   std::optional<scene::Region> region{};  ///< only particles with centres in it
 };
 

@@ -59,8 +59,8 @@ struct FlowEnds {
   bool operator==(const FlowEnds&) const = default;
 };
 
-/// What holds for all pairs while a stage lasts, in place of their own: a filling whose outcome does
-/// not depend on what is calibrated.
+/// What holds for all pairs while a stage lasts, in place of their own: a filling whose outcome
+/// does not depend on what is calibrated.
 struct StageCoefficients {
   double restitution = 0.5;  ///< in (0, 1]
   double mu_s = 0.0;
