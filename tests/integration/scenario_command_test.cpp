@@ -68,10 +68,11 @@ TEST(ScenarioCommand, ListsAndShowsWhatIsShipped) {
   const Workbench bench;
   const Said list = bench.run("repose", "scenario list");
   EXPECT_EQ(list.code, 0) << list.err;
-  for (const char* name : {"drawdown", "hopper", "lifted_cylinder", "rotating_drum"})
+  for (const char* name : {"conical_hopper", "drawdown", "hopper", "hopper_chute_bin",
+                           "lifted_cylinder", "rotating_drum"})
     EXPECT_NE(list.out.find(name), std::string::npos) << list.out;
   const auto json = nlohmann::json::parse(bench.run("repose", "scenario list --json").out);
-  ASSERT_EQ(json.size(), 5u);
+  ASSERT_EQ(json.size(), 6u);
   EXPECT_FALSE(json[0]["kpis"].empty());
   const Said show = bench.run("repose", "scenario show hopper");
   EXPECT_EQ(show.code, 0) << show.err;

@@ -222,7 +222,7 @@ void add_campaign(CLI::App& app) {
       ->check(CLI::Range(0, 4096));
   run->add_option(
       "--engine", o->engine,
-      "in place of [engine]: its name, or the path of a program that is called as repose-dem is");
+      "in place of [engine]: its name, or the path of a program that is\ncalled as repose-dem is");
   add_kind(*group, "status", "How far a campaign or a calibration is; changes nothing", "friction",
            o, print_status);
   auto* table = add_kind(*group, "table", "Writes one table of all runs that are there",

@@ -105,8 +105,8 @@ void add_photograph_options(CLI::App& command, MeasureOptions& o) {
       ->check(CLI::PositiveNumber);
   command
       .add_option("--level", o.level,
-                  "COLUMN,ROW,COLUMN,ROW: two points that should be level, as on the floor's\n"
-                  "line; the picture is turned about its middle before all else")
+                  "COLUMN,ROW,COLUMN,ROW: two points that should be level, as on the\n"
+                  "floor's line; the picture is turned about its middle first of all")
       ->delimiter(',')
       ->expected(4);
   command.add_option("--crop", o.crop, "COLUMN,ROW,WIDTH,HEIGHT in pixels")
@@ -157,8 +157,9 @@ void add_segregation_options(CLI::App& command, MeasureOptions& o) {
   command.add_option("--over-time", o.over_time,
                      "REGION: segregation of what passes through a region of the case");
   command.add_option("--initial", o.initial,
-                     "NUMBER|STAGE: snapshot of the initial shares (--over-time; default: the\n"
-                     "last one with the most mass), or for the rise of centres of mass (--grid)");
+                     "NUMBER|STAGE: snapshot of the initial shares (--over-time; default:\n"
+                     "the last one with the most mass), or for the rise of centres of\n"
+                     "mass (--grid)");
   command.add_option("-o,--output", o.output, "table of bins, or of times, *.h5 or *.csv");
 }
 

@@ -126,8 +126,8 @@ void add_simulate(CLI::App& app) {
       ->capture_default_str()
       ->check(CLI::Range(0L, 9223372036854775807L));
   command->add_option("--engine", o->engine,
-                      "its name, or the path of a program that is called as repose-dem is; "
-                      "default: bundled");
+                      "its name, or the path of a program that is called as repose-dem\n"
+                      "is; default: bundled");
   command->add_option("--time-limit", o->time_limit_s, "s of wall time; 0: none")
       ->check(CLI::NonNegativeNumber);
   command->add_option("-o,--output", o->output, "folder to write, new or empty")->required();
