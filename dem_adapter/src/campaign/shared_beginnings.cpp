@@ -1,7 +1,5 @@
 #include "shared_beginnings.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <limits>
 
@@ -17,6 +15,8 @@ namespace repose::dem_adapter {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr char kInput[] = "input of a run";  // in messages
 
 /// Names the state after each stage but the last.
 std::vector<std::string> keys_of(const std::string& engine, const scene::Case& scene) {
@@ -36,23 +36,27 @@ SharedBeginnings::SharedBeginnings(fs::path folder, const Engine& engine, std::s
                                    const std::function<std::string(std::size_t)>& text_of)
     : folder_(std::move(folder)), engine_(engine) {
   if (!engine_.waits_after_stages() || count < 2) return;
-  struct Seen {
-    State state;
-    std::set<std::string> goes_on_as;  // longer beginnings, or whole inputs
+  struct Seen {  // small: there may be as many as runs
+    std::size_t run = 0, stages = 0;
+    std::string goes_on_as;  // a longer beginning, or a whole input
+    bool is_shared = false;
   };
   std::map<std::string, Seen> seen;
   for (std::size_t i = 0; i < count; ++i) {
     const auto text = text_of(i);
-    const auto scene = scene::parse_case(text, "input of a run");
-    const auto keys = keys_of(engine_.name(), scene);
+    const auto keys = keys_of(engine_.name(), scene::parse_case(text, kInput));
     for (std::size_t k = 0; k < keys.size(); ++k) {
-      auto& here = seen[keys[k]];
-      if (here.goes_on_as.empty()) here.state = {keys[k], text, k + 1, scene.stages[k].name};
-      here.goes_on_as.insert(k + 1 < keys.size() ? keys[k + 1] : run_key(engine_.name(), text));
+      const auto next = k + 1 < keys.size() ? keys[k + 1] : run_key(engine_.name(), text);
+      auto& here = seen.try_emplace(keys[k], Seen{i, k + 1, next, false}).first->second;
+      here.is_shared = here.is_shared || here.goes_on_as != next;
     }
   }
-  for (auto& [key, what] : seen)
-    if (what.goes_on_as.size() > 1) states_.push_back(std::move(what.state));
+  for (const auto& [key, what] : seen)
+    if (what.is_shared) {
+      const auto text = text_of(what.run);
+      const auto scene = scene::parse_case(text, kInput);
+      states_.push_back({key, text, what.stages, scene.stages[what.stages - 1].name});
+    }
   std::stable_sort(states_.begin(), states_.end(),
                    [](const State& a, const State& b) { return a.stages < b.stages; });
   for (std::size_t s = 0; s < states_.size(); ++s) by_key_[states_[s].key] = s;
@@ -75,7 +79,7 @@ const SharedBeginnings::State* SharedBeginnings::latest_of(const std::string& te
                                                            std::size_t below) const {
   if (states_.empty()) return nullptr;
   const State* latest = nullptr;
-  for (const auto& key : keys_of(engine_.name(), scene::parse_case(text, "input of a run")))
+  for (const auto& key : keys_of(engine_.name(), scene::parse_case(text, kInput)))
     if (const auto it = by_key_.find(key); it != by_key_.end()) {
       const auto& state = states_[it->second];
       if (state.stages < below && is_made(state)) latest = &state;
