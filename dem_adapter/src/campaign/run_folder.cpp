@@ -10,7 +10,6 @@
 #include "repose/scene/run_output.hpp"
 
 namespace repose::dem_adapter {
-namespace {
 
 namespace fs = std::filesystem;
 
@@ -20,8 +19,6 @@ void remove_whole(const fs::path& place) {
   if (code)
     throw StorageError(fmt::format("cannot remove '{}': {}", place.string(), code.message()));
 }
-
-}  // namespace
 
 fs::path parts_file(const fs::path& folder) {
   return folder / "parts.json";

@@ -21,6 +21,9 @@ std::optional<Resources> finished_before(const std::filesystem::path& folder);
 /// engine wrote. Throws StorageError.
 void prepare_folder(const std::filesystem::path& folder, const std::string& case_text);
 
+/// Removes a file or folder that may not be there. Throws StorageError.
+void remove_whole(const std::filesystem::path& place);
+
 /// Copies the engine's output from one run's folder to another's, which then has all of it or
 /// none. Throws StorageError.
 void copy_output(const std::filesystem::path& from, const std::filesystem::path& to);

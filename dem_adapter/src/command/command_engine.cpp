@@ -12,6 +12,7 @@
 #include "repose/base/text.hpp"
 #include "repose/base/toml.hpp"
 #include "repose/dem_adapter/submission.hpp"
+#include "run_folder.hpp"
 
 namespace repose::dem_adapter {
 namespace {
@@ -87,13 +88,6 @@ Outcome outcome_of(const std::vector<FailureSign>& signs, const std::string& log
   return Outcome::engine_failed;
 }
 
-void clear(const fs::path& place) {
-  std::error_code code;
-  fs::remove_all(place, code);
-  if (code)
-    throw StorageError(fmt::format("cannot clear '{}': {}", place.string(), code.message()));
-}
-
 }  // namespace
 
 std::string command_input_text(const CommandInput& input) {
@@ -135,8 +129,8 @@ EngineExit CommandEngine::run(const EngineJob& job) const {
   const auto log = job.directory / "engine.log";
   const bool is_submitted = submission_of(job.directory).has_value();  // it may be at work there
   if (!is_submitted) {
-    clear(output);
-    clear(log);
+    remove_whole(output);
+    remove_whole(log);
     make_directory(output);
     write_file_atomically(output / "case.toml", read_file(job.directory / "case.toml"));
   }
