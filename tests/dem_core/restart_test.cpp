@@ -244,18 +244,6 @@ TEST(RunCase, NamesTheStagesWhereItCannotWait) {
                InputError);
 }
 
-TEST(RunCase, KeepsTheEnergyLedgerWhereAStageChangesTheCoefficients) {
-  const TestFolder folder;
-  const auto error_of = [&](const scene::Case& c) {
-    run_case(c, folder.path / "run", {.start = Start::anew});
-    const auto error = scene::read_run(folder.path / "run").energy().numbers("error_j");
-    double largest = 0.0;
-    for (const double e : error) largest = std::max(largest, std::abs(e));
-    return largest;
-  };
-  EXPECT_LT(error_of(filled_alike(everything(), 0.1)), 2.0 * error_of(everything()) + 1e-9);
-}
-
 /// What a run says that goes on in this folder.
 std::string warnings(const scene::Case& c, const fs::path& run_dir) {
   std::string all;

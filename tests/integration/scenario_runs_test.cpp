@@ -83,8 +83,9 @@ TEST(RotatingDrum, SurfaceIsSteeperTheMoreTheGrainsResistRolling) {
 TEST(HopperChuteBin, SegregatesLayersMoreThanAMixtureAndChargesAllIntoTheBin) {
   // A random mixture reads SI > 0, too: of N = 40 grains in the sampling location the share
   // scatters by 0.5/sqrt(N) = 0.08, which is SI = 0.13 in the mean. Layers come out one after the
-  // other on top of that; means over more than a hundred times differ by chance by a tenth of the
-  // difference.
+  // other on top of that: 0.20 to 0.25 against 0.12 to 0.21 with four seeds, every pair in this
+  // order. The indices of the heap are not: with four seeds rsd_vertical was once the smaller for
+  // layers.
   const Workbench bench;
   const std::string small = "--set mass_kg=2 --set shear_modulus_pa=2e6 --set layering=";
   const auto layered = kpis_of(bench, "hopper_chute_bin", small + "1", "layered");
@@ -93,7 +94,6 @@ TEST(HopperChuteBin, SegregatesLayersMoreThanAMixtureAndChargesAllIntoTheBin) {
     EXPECT_NEAR((*kpis)["charged_kg"].get<double>(), 2.0, 0.02);
   EXPECT_GT(layered["si_after_hopper"].get<double>(),
             mixed["si_after_hopper"].get<double>() + 0.03);
-  EXPECT_GT(layered["rsd_vertical"].get<double>(), mixed["rsd_vertical"].get<double>());
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "repose/dem_adapter/run_plan.hpp"
 #include "repose/dem_adapter/run_store.hpp"
 #include "repose/dem_adapter/submission.hpp"
+#include "run_folder.hpp"
 
 namespace repose::dem_adapter {
 namespace {
@@ -40,10 +41,7 @@ std::uintmax_t size_of(const fs::path& place) {
 
 std::uintmax_t removed(const fs::path& place) {
   const auto bytes = size_of(place);
-  std::error_code code;
-  fs::remove_all(place, code);
-  if (code)
-    throw StorageError(fmt::format("cannot remove '{}': {}", place.string(), code.message()));
+  remove_whole(place);
   return bytes;
 }
 

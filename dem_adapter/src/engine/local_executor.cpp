@@ -11,6 +11,7 @@
 #include <cstring>
 #include <thread>
 
+#include "programs.hpp"
 #include "repose/base/error.hpp"
 #include "repose/dem_adapter/executor.hpp"
 #include "repose/dem_adapter/submission.hpp"
@@ -64,12 +65,6 @@ Resources resources_of(const rusage& usage, double wall_time_s, int processes) {
           .ranks = processes};
 }
 
-/// Whether a program ended by a signal that somebody else may have sent to the two of us.
-bool was_told_to_end(const CommandEnd& end) {
-  const int signal = end.signal != 0 ? end.signal : end.exit_code - 128;
-  return signal == SIGTERM || signal == SIGINT || signal == SIGHUP || signal == SIGKILL;
-}
-
 }  // namespace
 
 CommandEnd LocalExecutor::run(const Command& command) const {
@@ -108,7 +103,7 @@ CommandEnd LocalExecutor::run(const Command& command) const {
   ::kill(-child, SIGKILL);  // whatever it may have left behind in its group
   end.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 0;
   end.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
-  if (end.ended == CommandEnded::by_itself && was_told_to_end(end) && cancelled())
+  if (end.ended == CommandEnded::by_itself && was_killed(end) && cancelled())
     end.ended = CommandEnded::when_cancelled;  // both of us were told, it was faster
   end.resources = resources_of(usage, elapsed(), command.processes);
   return end;

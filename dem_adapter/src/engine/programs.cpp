@@ -41,11 +41,6 @@ bool is_one_of(int signal, std::initializer_list<int> signals) {
   return std::find(signals.begin(), signals.end(), signal) != signals.end();
 }
 
-/// Whether somebody ended the program: the machine shutting down, the kernel out of memory, a user.
-bool was_killed(const CommandEnd& end) {
-  return is_one_of(signal_of(end), {SIGKILL, SIGTERM, SIGINT, SIGHUP});
-}
-
 /// Whether it ended by a fault of its own.
 bool crashed(const CommandEnd& end) {
   return end.signal != 0 || is_one_of(signal_of(end), {SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL});
@@ -80,6 +75,10 @@ std::size_t size_of(const std::filesystem::path& file) {
   std::error_code code;
   const auto size = std::filesystem::file_size(file, code);
   return code ? 0 : static_cast<std::size_t>(size);
+}
+
+bool was_killed(const CommandEnd& end) {
+  return is_one_of(signal_of(end), {SIGKILL, SIGTERM, SIGINT, SIGHUP});
 }
 
 EngineExit exit_of(const CommandEnd& end, const Command& command, std::size_t said_before) {

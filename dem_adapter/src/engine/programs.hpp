@@ -18,6 +18,10 @@ std::string content_of(const std::filesystem::path& program);
 
 std::size_t size_of(const std::filesystem::path& file);  ///< 0 if there is none
 
+/// Whether somebody ended the program, or one of its processes: the machine shutting down, the
+/// kernel out of memory, a user.
+bool was_killed(const CommandEnd& end);
+
 /// What an end says whatever the engine: finished (code 0), timed out, cancelled, killed by others,
 /// crashed; else failed, with the last words in the log from byte `said_before` as its message.
 EngineExit exit_of(const CommandEnd& end, const Command& command, std::size_t said_before);

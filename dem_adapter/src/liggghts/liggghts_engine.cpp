@@ -15,6 +15,7 @@
 #include "repose/base/text.hpp"
 #include "repose/scene/case.hpp"
 #include "repose/scene/run_output.hpp"
+#include "run_folder.hpp"
 #include "script.hpp"
 #include "wall_bodies.hpp"
 
@@ -74,13 +75,6 @@ Particles particles_of(const scene::Case& scene, const scene::Snapshot& start, d
   return {.time_step_s = dt,
           .smallest_radius_m = *std::min_element(start.radius_m.begin(), start.radius_m.end()),
           .weight_scale_j = mass * scene.gravity_m_s2.norm() * 2.0 * radii / n};
-}
-
-void clear(const fs::path& folder) {
-  std::error_code code;
-  fs::remove_all(folder, code);
-  if (code)
-    throw StorageError(fmt::format("cannot clear '{}': {}", folder.string(), code.message()));
 }
 
 /// The failures of LIGGGHTS that have a name.
@@ -152,7 +146,7 @@ EngineExit LiggghtsEngine::run(const EngineJob& job) const {
   require_possible(scene);
   const auto bodies = wall_bodies(scene);
   const auto output = job.directory / "output", folder = output / "liggghts";
-  clear(output);
+  remove_whole(output);
   auto exit = place(job, output / "placed");
   if (exit.status != EngineStatus::finished) return exit;
   const auto placed = scene::read_run(output / "placed");
@@ -184,7 +178,7 @@ EngineExit LiggghtsEngine::run(const EngineJob& job) const {
   }
   if (log.ends.size() != scene.stages.size())
     return failed(exit, Outcome::engine_failed, "LIGGGHTS ended before the last stage did");
-  clear(output / "placed");
+  remove_whole(output / "placed");
   scene::RunWriter writer(output, scene);
   writer.log(fmt::format("liggghts {}: {} spheres, time step {} s, {} processes", log.version,
                          start.size(), shortest(particles.time_step_s), job.ranks));
